@@ -789,7 +789,7 @@ NTP_API ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const
 /* How many rows above and below a row its normals depend on; -1 if how is NULL or invalid. */
 NTP_API int32_t ntp_normals_reach(const ntp_normals_options *how);
 
-/* Bytes of working memory of ntp_normals_dithered: 104 KiB, and 8 for each column; 0 if an argument is
+/* Bytes of working memory of ntp_normals_dithered: 173 KiB, and 8 for each column; 0 if an argument is
  * invalid. */
 NTP_API size_t ntp_normals_dithered_scratch_size(int32_t width);
 

@@ -78,8 +78,7 @@ static inline bool any_limited(const rows *x, const rows *y, const rows *along, 
             _mm512_fmadd_pd(x->of[k], x->of[k], _mm512_fmadd_pd(y->of[k], y->of[k], ALL(1)));
         const __m512d at1 = _mm512_fmadd_pd(t, ALL(1.5 * level), ALL(-0.5 * level));
         const __m512d at4 = _mm512_fmadd_pd(t, ALL(3 * level), ALL(-4 * level));
-        const __m512d least =
-            _mm512_min_pd(_mm512_max_pd(at1, at4), ALL(0.1 * (1 - 0x1p-20)));
+        const __m512d least = _mm512_min_pd(_mm512_max_pd(at1, at4), ALL(0.1 * (1 - 0x1p-20)));
         const __m512d error =
             _mm512_max_pd(_mm512_abs_pd(along->of[k]), _mm512_abs_pd(down->of[k]));
         any |= _mm512_cmp_pd_mask(error, least, _CMP_GT_OQ);
@@ -197,9 +196,8 @@ static inline void leave_errors(__m512d *x, __m512d *y, ntp__wave_step *step, le
     const __m512i b = _mm512_inserti64x4(_mm512_castsi256_si512(blue[0]), blue[1], 1);
     _mm512_storeu_si512(step->level[0], level_of(v.p));
     _mm512_storeu_si512(step->level[1], level_of(v.q));
-    _mm512_storeu_si512(
-        step->level[2],
-        _mm512_srli_epi32(_mm512_add_epi32(b, _mm512_set1_epi32(more)), 1));
+    _mm512_storeu_si512(step->level[2],
+                        _mm512_srli_epi32(_mm512_add_epi32(b, _mm512_set1_epi32(more)), 1));
 }
 
 /* Moves the numbers of all rows to the next one; the first gets `first`. */

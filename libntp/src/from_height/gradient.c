@@ -51,11 +51,11 @@ typedef struct walk {
     double greatest; /* bound of the tap sums for heights of magnitude 1 */
     ntp__encode encode;
     ntp_normals_counts counts;
-    int32_t first;          /* first row of the area */
-    ntp__wave_memory *wave; /* dithering: of the scratch */
+    int32_t first;               /* first row of the area */
+    ntp__wave_memory *wave;      /* dithering: of the scratch */
     ntp__dither_waves_fn *waves; /* dithering: of two waves; NULL: of one */
-    double *errors;         /* dithering: carried down, one for each column; NULL: none */
-    double along[BAND];     /* dithering: carried along each row of a band */
+    double *errors;              /* dithering: carried down, one for each column; NULL: none */
+    double along[BAND];          /* dithering: carried along each row of a band */
 } walk;
 
 typedef struct strip {
@@ -483,9 +483,11 @@ ntp_status ntp_normals_dithered(const ntp_image *dst, const ntp_const_image *src
     if (scratch == NULL || (uintptr_t) scratch % 16 != 0 ||
         scratch_size < ntp_normals_dithered_scratch_size(src->width))
         return NTP_ERR_SCRATCH;
-    w.wave = (void *) ((char *) scratch + (LINE - (uintptr_t) scratch % LINE) % LINE);
     w.waves = w.g.m == 255 && w.g.min_z == 0 ? ntp__dither_waves(NTP__CPU_ALL) : NULL;
-    w.errors = (double *) (void *) (w.wave + 1);
+    /* Errors stay where they are for the next call, wherever a line begins there. */
+    w.errors = scratch;
+    char *rest = (char *) (w.errors + src->width);
+    w.wave = (void *) (rest + (LINE - (uintptr_t) rest % LINE) % LINE);
     w.g.derived = true;
     do_bands(&w, r);
     add_counts(counts, &w);
