@@ -145,15 +145,46 @@ static bool is_exact(int32_t r, int32_t g, int32_t b)
            (r != g || g != b);
 }
 
-static ntp__exact8_counts exact;
-
-static void check_exact(const ntp__kernels_table *level, int32_t channels)
+/* Is it counted among close texels?  Exact ones are; grays are not. */
+static bool is_close(int32_t r, int32_t g, int32_t b)
 {
-    static uint32_t all[NTP__ROWS];
+    const int32_t x = 2 * r - 255, y = 2 * g - 255, z = 2 * b - 255, rest = 65025 - x * x - y * y;
+    /* 4 e is at most the rest, and u = (z + 1) / 2 */
+    const int32_t low = z - 7, high = z + 9;
+    return z > 0 && rest >= 0 && low * low <= rest && rest < high * high && (r != g || g != b);
+}
+
+static ntp__close8_counts close8;
+static uint32_t close_texels[NTP__ROWS][256];
+
+/* A row is the same for up to eight pairs, so its counts are looked at in the end. */
+static void check_close_counts(void)
+{
+    for (int32_t row = 0; row < NTP__ROWS; row++) {
+        const bool flat = row >= NTP__ROWS - NTP__FLAT_ROWS;
+        uint32_t by_place[NTP__CLOSE8_BLUES] = { 0 }, blues[NTP__CLOSE8_BLUES] = { 0 };
+        for (int32_t b = 0; b < 256; b++) {
+            by_place[b % NTP__CLOSE8_BLUES] += close_texels[row][b];
+            blues[b % NTP__CLOSE8_BLUES] += close_texels[row][b] > 0;
+        }
+        for (uint32_t i = 0; i < NTP__CLOSE8_BLUES; i++) {
+            CHECK(blues[i] <= 1);
+            if (!flat && row >= NTP__CLOSE8_ROWS) {
+                CHECK(by_place[i] == 0);
+                continue;
+            }
+            const uint32_t *const c = close8[ntp__close8_of((uint32_t) row) + i];
+            CHECK((uint32_t) c[0] + c[1] + c[2] + c[3] == by_place[i]);
+        }
+    }
+}
+
+static void check_close(const ntp__kernels_table *level, int32_t channels)
+{
     uint8_t texels[256 * 4];
-    ntp__exact8_block block;
-    memset(exact, 0, sizeof exact);
-    memset(all, 0, sizeof all);
+    ntp__close8_block block;
+    memset(close8, 0, sizeof close8);
+    memset(close_texels, 0, sizeof close_texels);
     for (int32_t pair = 0; pair < 65536; pair++) {
         const int32_t r = pair & 255, g = pair >> 8, row = row_of(r, g);
         int32_t unlike = 0;
@@ -162,21 +193,22 @@ static void check_exact(const ntp__kernels_table *level, int32_t channels)
             /* one of the translucent is exact but for that */
             if (channels == 4 && pair % 3 == 0)
                 texels[4 * b + 3] = (uint8_t) (pair * 13 + b);
-            const bool counts = is_exact(r, g, b) && (channels == 3 || texels[4 * b + 3] == 255);
-            all[row] += counts;
         }
-        level->count_exact8(&block, exact, texels, 256, channels, 256);
+        level->count_close8(&block, close8, texels, 256, channels, 256);
         for (int32_t b = 0; b < 256; b++) {
+            const bool opaque = channels == 3 || texels[4 * b + 3] == 255;
             CHECK(block.row[b] == row);
-            if (is_exact(r, g, b) && (channels == 3 || texels[4 * b + 3] == 255))
+            CHECK(is_close(r, g, b) || !is_exact(r, g, b));
+            if (is_close(r, g, b) && opaque) {
+                close_texels[row][b]++;
                 continue;
+            }
             CHECK(unlike < block.others && block.left[unlike] == b);
             unlike++;
         }
         CHECK(unlike == block.others);
     }
-    for (int32_t row = 0; row < NTP__ROWS; row++)
-        CHECK((uint32_t) exact[row][0] + exact[row][1] + exact[row][2] + exact[row][3] == all[row]);
+    check_close_counts();
 }
 
 /* All pairs with their derived blues; then the first ones more often than a count holds, some of them
@@ -249,7 +281,7 @@ int main(void)
     for (int32_t channels = 3; channels <= 4; channels++) {
         check_colors(level, channels);
         check_many(level, channels);
-        check_exact(level, channels);
+        check_close(level, channels);
         check_tallies(channels, &seed);
         for (int32_t n = 1; n <= WIDEST; n++)
             check_ends(level, n, channels, &seed);

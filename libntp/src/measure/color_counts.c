@@ -133,38 +133,66 @@ static inline int32_t next_of(int32_t row, int32_t most)
     return row + 1 == (most + 1) * (most + 2) / 2 ? NTP__ROWS - NTP__FLAT_ROWS : row + 1;
 }
 
-/* Adds the exact texels of `from` to the cells of `into`, and notes their rows. */
-static void add_exact(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
+/* The close texels of a row by their places; returns whether there are any. */
+static inline bool sum_close(uint32_t count[NTP__CLOSE8_BLUES],
+                             const uint32_t (*close)[NTP__CLOSE8_COPIES])
 {
-    for (int32_t row = 0; from->exact_texels > 0 && row < NTP__ROWS; row = next_of(row, most)) {
-        const uint16_t *const exact = from->exact[row];
-        uint64_t any;
-        memcpy(&any, exact, sizeof any);
-        if (any == 0)
+    uint32_t any = 0;
+    for (int32_t i = 0; i < NTP__CLOSE8_BLUES; i++) {
+        count[i] = close[i][0] + close[i][1] + close[i][2] + close[i][3];
+        any |= count[i]; /* less than 2^32 in all */
+    }
+    return any != 0;
+}
+
+static void add_to_cell(ntp__color_counts *t, uint32_t row, uint32_t blue, uint32_t count)
+{
+    enum { MOST = 256 };
+    const uint32_t place = blue - t->row_first[row];
+    t->at.row_seen[row] |= place < NTP__NEAR ? NTP__SEEN_NEAR : NTP__SEEN_FAR;
+    if (place < NTP__NEAR) {
+        t->at.near[row * NTP__NEAR + place] += count;
+        return;
+    }
+    for (; count > MOST; count -= MOST)
+        ntp__count_far(&t->at, row * NTP__ROW_CELLS + blue, MOST);
+    ntp__count_far(&t->at, row * NTP__ROW_CELLS + blue, count);
+}
+
+/* The row after this one, of those that hold close texels whose magnitudes are at most `most`. */
+static inline int32_t next_close(int32_t row, int32_t most)
+{
+    return next_of(row, most < 126 ? most : 126);
+}
+
+/* Adds the close texels of `from` to the cells of `into`, and notes their rows. */
+static void add_close(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
+{
+    uint32_t count[NTP__CLOSE8_BLUES];
+    for (int32_t row = 0; from->has_close && row < NTP__ROWS; row = next_close(row, most)) {
+        if (!sum_close(count, from->close + ntp__close8_of((uint32_t) row)))
             continue;
-        uint32_t count = (uint32_t) exact[0] + exact[1] + exact[2] + exact[3];
-        const uint32_t blue = from->row_blue[row], place = blue - from->row_first[row];
+        const uint32_t least = (uint32_t) from->row_blue[row] - NTP__CLOSE8_BELOW;
         into->row_pair[row] = from->row_pair[row];
         into->row_first[row] = from->row_first[row];
-        into->at.row_seen[row] |= place < NTP__NEAR ? NTP__SEEN_NEAR : NTP__SEEN_FAR;
-        if (place < NTP__NEAR) {
-            into->at.near[(uint32_t) row * NTP__NEAR + place] += count;
-            continue;
+        for (uint32_t blue = least; blue < least + NTP__CLOSE8_BLUES; blue++) {
+            if (count[blue % NTP__CLOSE8_BLUES] > 0)
+                add_to_cell(into, (uint32_t) row, blue, count[blue % NTP__CLOSE8_BLUES]);
         }
-        for (; count > 0; count--)
-            ntp__count_far(&into->at, (uint32_t) row * NTP__ROW_CELLS + blue, 1);
     }
 }
 
-void ntp__take_exact(ntp__color_counts *t, int32_t most)
+void ntp__take_close8(ntp__color_counts *t, int32_t most)
 {
-    const size_t row = sizeof t->exact[0], flat = NTP__ROWS - NTP__FLAT_ROWS;
-    add_exact(t, t, most);
-    if (t->exact_texels > 0) {
-        memset(t->exact, 0, (size_t) ((most + 1) * (most + 2) / 2) * row);
-        memset(t->exact[flat], 0, (NTP__FLAT_ROWS + 1) * row);
+    add_close(t, t, most);
+    if (t->has_close) {
+        const size_t row = NTP__CLOSE8_BLUES * sizeof t->close[0];
+        const int32_t rows = most < 126 ? (most + 1) * (most + 2) / 2 : NTP__CLOSE8_ROWS;
+        memset(t->close, 0, (size_t) rows * row);
+        memset(t->close[NTP__CLOSE8_ROWS * NTP__CLOSE8_BLUES], 0,
+               NTP__FLAT_ROWS * row + sizeof t->close[0]);
     }
-    t->exact_texels = 0;
+    t->has_close = 0;
 }
 
 /* Adds the rows that were not noted to `seen`, which is t's own or a copy.  Steeper rows than any in
@@ -185,7 +213,7 @@ void ntp__note_rows(ntp__color_counts *t, int32_t most)
 {
     find_rows(t->at.row_seen, t, most);
     t->unnoted = 0;
-    ntp__take_exact(t, most);
+    ntp__take_close8(t, most);
 }
 
 void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
@@ -205,7 +233,7 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, in
         into->row_pair[row] = from->row_pair[row];
         into->row_first[row] = from->row_first[row];
     }
-    add_exact(into, from, most);
+    add_close(into, from, most);
 }
 
 void ntp__clear_cells(ntp__color_counts *t, int32_t most)

@@ -35,8 +35,8 @@ typedef struct ntp__color_counts {
     uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */
     uint8_t row_first[NTP__ROWS]; /* the blue of its first near cell */
     uint8_t row_blue[NTP__ROWS];  /* the derived blue; 0: too long */
-    ntp__exact8_counts exact;     /* texels that are not in the cells yet */
-    uint32_t exact_texels;        /* how many may be there */
+    ntp__close8_counts close;     /* texels that are not in the cells yet */
+    uint32_t has_close;           /* some are there */
     ntp__cell_counts at;          /* in well-formed textures, most of its pages stay untouched */
 } ntp__color_counts;
 
@@ -114,8 +114,8 @@ static inline int32_t ntp__steepest(int32_t least, int32_t greatest)
 /* Completes row_seen and the cells.  `most`: no magnitude of a color is greater. */
 void ntp__note_rows(ntp__color_counts *counts, int32_t most);
 
-/* Puts `exact` into the cells.  The same holds for its colors. */
-void ntp__take_exact(ntp__color_counts *counts, int32_t most);
+/* Puts `close` into the cells.  The same holds for its colors. */
+void ntp__take_close8(ntp__color_counts *counts, int32_t most);
 
 /* The same holds for colors of `from`. */
 void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, int32_t most);

@@ -2,7 +2,7 @@
 /*
  * packed8_tmpl.h - counts packed RGB and RGBA of 8 bit; included by measure.c, whose counts it uses
  *
- * With AVX2, exact texels are counted by their rows first (texel/cells_tmpl.h), unless few are.  Of what
+ * With AVX2, texels close to exact are counted first (texel/cells_tmpl.h), unless few are.  Of what
  * is left, or of all, a group of texels of one color is counted at once.  In other groups each texel is
  * one look-up and one count.
  */
@@ -89,35 +89,32 @@ static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t do
     return count(&t->cells.at, p, n, channels, &t->gray);
 }
 
-/* Counts exact texels of the first ones of a row of texels, and returns of how many; `next` ones after them
+/* Counts close texels of the first ones of a row of texels, and returns of how many; `next` ones after them
  * are to be counted in another way.  Where it leaves more than a quarter, as in photographs and damaged
- * textures, exact texels are looked for again later. */
-static int32_t count_exact(ntp_tally *t, ntp__exact8_block *part, int32_t *next, const uint8_t *p,
+ * textures, close texels are looked for again later. */
+static int32_t count_close(ntp_tally *t, ntp__close8_block *part, int32_t *next, const uint8_t *p,
                            int32_t n, int32_t channels, size_t ahead)
 {
     enum { BLOCK = 256, MOST = 256 * BLOCK };
-    ntp__count_exact8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_exact8;
+    ntp__count_close8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_close8;
     int32_t size = n < BLOCK ? n / GROUP * GROUP : BLOCK;
     part->others = 0;
     *next = n;
     if (count == NULL || size == 0)
         return 0;
-    if (t->not_exact == 0) {
-        if (t->cells.exact_texels + BLOCK > NTP__EXACT_MOST)
-            ntp__take_exact(&t->cells, ntp__steepest_of(t));
-        count(part, t->cells.exact, p, size, channels, ahead);
-        /* each of four counts takes up to a quarter of them */
-        t->cells.exact_texels += part->others < size ? (uint32_t) size : 0;
+    if (t->not_close == 0) {
+        count(part, t->cells.close, p, size, channels, ahead);
+        t->cells.has_close |= part->others < size;
         if (4 * part->others <= size)
-            t->last_not_exact = 0;
-        else if (t->last_not_exact < MOST)
-            t->last_not_exact = 2 * t->last_not_exact + BLOCK;
-        t->not_exact = t->last_not_exact;
+            t->last_not_close = 0;
+        else if (t->last_not_close < MOST)
+            t->last_not_close = 2 * t->last_not_close + BLOCK;
+        t->not_close = t->last_not_close;
     } else {
         size = 0;
     }
-    *next = n - size < t->not_exact ? n - size : t->not_exact;
-    t->not_exact -= *next;
+    *next = n - size < t->not_close ? n - size : t->not_close;
+    t->not_close -= *next;
     return size;
 }
 
@@ -173,7 +170,7 @@ static void end_far(ntp_tally *t, far_waiting *far)
 }
 
 /* Counts packed RGB that is left, but for what is put into `far`, which has room for 256. */
-static uint64_t count_left(ntp_tally *t, far_waiting *far, const ntp__exact8_block *part,
+static uint64_t count_left(ntp_tally *t, far_waiting *far, const ntp__close8_block *part,
                            const uint8_t *p)
 {
     uint64_t unused = 0;
@@ -200,7 +197,7 @@ static uint64_t count_left(ntp_tally *t, far_waiting *far, const ntp__exact8_blo
 
 static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
 {
-    ntp__exact8_block part;
+    ntp__close8_block part;
     far_waiting far;
     int32_t next;
     const size_t ahead = 3 * (size_t) n;
@@ -208,7 +205,7 @@ static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
     add_bytes(t, p, n, 3);
     t->narrow += (uint64_t) n;
     while (n > 0) {
-        const int32_t done = count_exact(t, &part, &next, p, n, 3, ahead);
+        const int32_t done = count_close(t, &part, &next, p, n, 3, ahead);
         t->narrow -= count_left(t, &far, &part, p);
         p += 3 * done;
         t->narrow -= look_up_rgb8(t, p, next, ahead);
@@ -338,14 +335,14 @@ static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32
 
 static void count_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n)
 {
-    ntp__exact8_block part;
+    ntp__close8_block part;
     int32_t next;
     const size_t row = 4 * (size_t) n;
     c->unused = c->ag = 0;
     add_bytes(t, p, n, 4);
     t->narrow += (uint64_t) n;
     while (n > 0) {
-        const int32_t done = count_exact(t, &part, &next, p, n, 4, row);
+        const int32_t done = count_close(t, &part, &next, p, n, 4, row);
         t->alpha[255] += (uint32_t) (done - part.others);
         for (int32_t i = 0; i < part.others; i++)
             count_one_rgba8(t, c, p + 4 * part.left[i], 1);

@@ -68,7 +68,7 @@ struct ntp_tally {
     /* The number of different used colors, 2 standing for more, and the first color. */
     uint32_t colors, color[3];
     /* Texels of 8 bit to be counted in another way before exact ones are looked for again; the last time. */
-    int32_t not_exact, last_not_exact;
+    int32_t not_close, last_not_close;
     uint64_t wide_flat, narrow;       /* used texels: flat ones of 16 bit; those in the cells */
     uint32_t summed, summed_encoding; /* are `used` and `unused` up to date, and angles for what? */
 

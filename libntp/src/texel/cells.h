@@ -30,10 +30,25 @@ enum {
  * whole. */
 enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2, NTP__SEEN_CARRIED = 4, NTP__SEEN_DENSE = 8 };
 
-/* Exact texels of a row, those with its derived blue.  Neighbors are often alike, and a count waits for
- * the one before it in the same place; so there are four counts, one for each fourth texel. */
-enum { NTP__EXACT_COPIES = 4, NTP__EXACT_MOST = NTP__EXACT_COPIES * 65535 };
-typedef uint16_t ntp__exact8_counts[NTP__ROWS + 1][NTP__EXACT_COPIES]; /* the last one: of no row */
+/* Close texels of a row, whose blue is one of eight around its derived one: from 4 levels below that to 3
+ * above it, told apart by their low bits.  Neighbors are often alike, and a count waits for the one before
+ * it in the same place; so there are four counts, one for each fourth texel.  Rows beyond
+ * NTP__CLOSE8_ROWS are too long, but for the flat ones, which follow here: numbers take 16 bits. */
+enum {
+    NTP__CLOSE8_ROWS = 127 * 128 / 2,
+    NTP__CLOSE8_BLUES = 8,
+    NTP__CLOSE8_BELOW = 4,
+    NTP__CLOSE8_NONE = (NTP__CLOSE8_ROWS + NTP__FLAT_ROWS) * NTP__CLOSE8_BLUES, /* of no color */
+    NTP__CLOSE8_COPIES = 4
+};
+typedef uint32_t ntp__close8_counts[NTP__CLOSE8_NONE + 1][NTP__CLOSE8_COPIES];
+
+/* Where the counts of a row begin, which is flat or below NTP__CLOSE8_ROWS. */
+static inline uint32_t ntp__close8_of(uint32_t row)
+{
+    enum { FLAT = NTP__ROWS - NTP__FLAT_ROWS };
+    return (row < FLAT ? row : row - FLAT + NTP__CLOSE8_ROWS) * NTP__CLOSE8_BLUES;
+}
 
 typedef struct ntp__cell_counts {
     uint8_t row_seen[NTP__ROWS]; /* NTP__SEEN_* */

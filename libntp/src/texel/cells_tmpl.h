@@ -202,15 +202,24 @@ static inline __m256i row_words(__m256i pairs, __m256i k)
                               _mm256_cmpeq_epi16(k, _mm256_setzero_si256()));
 }
 
-/*
- * The rows of 16 texels, and which of these are exact and opaque.  With u = b - 127, exact is
- * 128 <= b, (u - 1)^2 <= e < u*u, or 0 < u*u - e < 2u.  u is 0 where blue is less or alpha is not 255, so that
- * this does not hold.  u*u is at most 2^14, and |e| is less.  Only (201, 201, 201) is exact and gray: it
- * is left to the caller too.
- */
-static inline __m256i are_exact(__m256i *rows, const uint8_t *src, const layout8 *l)
+/* The low byte of each word, in both of its bytes. */
+static inline __m256i twice_of(__m256i words)
 {
-    enum { GRAY = 0xc9c9 };
+    const __m128i low = _mm_setr_epi8(0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 10, 10, 12, 12, 14, 14);
+    return _mm256_shuffle_epi8(words, _mm256_broadcastsi128_si256(low));
+}
+
+/*
+ * The rows of 16 texels, their places among counts of close ones, and which of them are close and opaque.
+ * With u = b - 127, these have 128 <= b, (u - 4)^2 <= e < (u + 4)^2, or -8u - 16 < u*u - e <= 8u - 16.
+ * From u = 4 on that is root - 3 <= u <= root + 4, where 128 + root is the derived blue; below, less.  u is
+ * 0 where blue is less than 128 or alpha is not 255, so that it does not hold.  u*u is at most 2^14, and |e|
+ * less than 2^14 + 2.  Grays are left to the caller.
+ */
+static inline __m256i are_close(__m256i *rows, __m256i *places, const uint8_t *src,
+                                const layout8 *l)
+{
+    enum { MOVED = NTP__ROWS - NTP__FLAT_ROWS - NTP__CLOSE8_ROWS, LAST = NTP__CLOSE8_BLUES - 1 };
     __m256i pairs, blues;
     load_16(&pairs, &blues, src, l);
     const __m256i k = _mm256_min_epu8(_mm256_xor_si256(pairs, _mm256_set1_epi8(127)),
@@ -219,10 +228,17 @@ static inline __m256i are_exact(__m256i *rows, const uint8_t *src, const layout8
     const __m256i u = _mm256_subs_epu16(blues, l->before);
     const __m256i above =
         _mm256_add_epi16(_mm256_mullo_epi16(u, u), _mm256_sub_epi16(xy, _mm256_set1_epi16(REST_8)));
-    const __m256i exact = _mm256_and_si256(_mm256_cmpgt_epi16(above, _mm256_setzero_si256()),
-                                           _mm256_cmpgt_epi16(_mm256_add_epi16(u, u), above));
+    const __m256i u8 = _mm256_slli_epi16(u, 3);
+    const __m256i close =
+        _mm256_and_si256(_mm256_cmpgt_epi16(_mm256_adds_epi16(above, u8), _mm256_set1_epi16(-16)),
+                         _mm256_cmpgt_epi16(_mm256_sub_epi16(u8, above), _mm256_set1_epi16(15)));
     *rows = row_words(pairs, k);
-    return _mm256_andnot_si256(_mm256_cmpeq_epi16(pairs, _mm256_set1_epi16((short) GRAY)), exact);
+    /* of close ones only flat rows have numbers of at least 2^13 */
+    const __m256i flat = _mm256_and_si256(_mm256_srli_epi16(*rows, 6), _mm256_set1_epi16(MOVED));
+    const __m256i row = _mm256_sub_epi16(*rows, flat);
+    *places = _mm256_or_si256(_mm256_slli_epi16(row, 3),
+                              _mm256_and_si256(blues, _mm256_set1_epi16(LAST)));
+    return _mm256_andnot_si256(_mm256_cmpeq_epi16(pairs, twice_of(blues)), close);
 }
 
 /* A bit for each of sixteen words with all bits set. */
@@ -232,27 +248,27 @@ static inline uint32_t lanes_of_words(__m256i words)
     return (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(low, high));
 }
 
-static void count_exact8(ntp__exact8_block *out, ntp__exact8_counts exact, const uint8_t *src,
+static void count_close8(ntp__close8_block *out, ntp__close8_counts close, const uint8_t *src,
                          int32_t n, int32_t channels, size_t ahead)
 {
-    enum { GROUP = 16, COPIES = NTP__EXACT_COPIES };
+    enum { GROUP = 16, COPIES = NTP__CLOSE8_COPIES };
     uint16_t at[256];
     const layout8 layout = layout8_of(channels);
     int32_t waiting = 0, others = 0;
     for (int32_t i = 0; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
-        __m256i rows;
+        __m256i rows, places;
         _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
-        const __m256i is_exact = are_exact(&rows, src, &layout);
+        const __m256i is_close = are_close(&rows, &places, src, &layout);
         _mm256_storeu_si256((__m256i *) (void *) (out->row + i), rows);
-        rows = _mm256_blendv_epi8(_mm256_set1_epi16(NTP__ROWS), rows, is_exact);
-        _mm256_storeu_si256((__m256i *) (void *) (at + waiting), rows);
-        const uint32_t left = ~lanes_of_words(is_exact) & 0xffff;
+        places = _mm256_blendv_epi8(_mm256_set1_epi16((short) NTP__CLOSE8_NONE), places, is_close);
+        _mm256_storeu_si256((__m256i *) (void *) (at + waiting), places);
+        const uint32_t left = ~lanes_of_words(is_close) & 0xffff;
         for (int32_t k = 0; left != 0 && k < GROUP; k += 4)
             others += find_four_bytes(out->left + others, i + k, left >> k & 15);
-        const __m256i first = _mm256_broadcastw_epi16(_mm256_castsi256_si128(rows));
-        if (_mm256_movemask_epi8(_mm256_cmpeq_epi16(rows, first)) == -1) {
+        const __m256i first = _mm256_broadcastw_epi16(_mm256_castsi256_si128(places));
+        if (_mm256_movemask_epi8(_mm256_cmpeq_epi16(places, first)) == -1) {
             for (int k = 0; k < COPIES; k++)
-                exact[at[waiting]][k] += GROUP / COPIES;
+                close[at[waiting]][k] += GROUP / COPIES;
             continue;
         }
         waiting += GROUP;
@@ -260,11 +276,11 @@ static void count_exact8(ntp__exact8_block *out, ntp__exact8_counts exact, const
     for (int32_t i = 0; i < waiting; i += COPIES) {
         UNROLLED
         for (int k = 0; k < COPIES; k++)
-            exact[at[i + k]][k]++;
+            close[at[i + k]][k]++;
     }
     out->others = others;
 }
 #else
 #  define count_cells  NULL
-#  define count_exact8 NULL
+#  define count_close8 NULL
 #endif

@@ -426,7 +426,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     validate,
     validate_rgb,
     count_cells,
-    count_exact8,
+    count_close8,
     survey8,
     survey,
     judge_block,

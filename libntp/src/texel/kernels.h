@@ -78,18 +78,19 @@ typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, const uint8_t *src, int
 
 /* What is known of packed texels of 8 bit: the row of each, and the places of those that are not counted,
  * in order. */
-typedef struct ntp__exact8_block {
+typedef struct ntp__close8_block {
     uint16_t row[256];
     uint8_t left[256];
     int32_t others; /* how many are not counted */
-} ntp__exact8_block;
+} ntp__close8_block;
 
 /*
- * Counts packed texels of 3 or 4 channels of 8 bit that are exact, opaque and not gray, by their rows.
- * n <= 256, a multiple of NTP__KERNEL_STEP.  Up to NTP__EXACT_MOST texels can be counted.  What lies `ahead`
+ * Counts packed texels of 3 or 4 channels of 8 bit that are opaque, not gray and close to exact: all of
+ * those with the derived blue, and of others those with places in the counts but for u < 4 (cells_tmpl.h).
+ * n <= 256, a multiple of NTP__KERNEL_STEP.  What lies `ahead`
  * bytes further on is fetched, as sums of the next row would wait for it.
  */
-typedef void ntp__count_exact8_fn(ntp__exact8_block *out, ntp__exact8_counts exact,
+typedef void ntp__count_close8_fn(ntp__close8_block *out, ntp__close8_counts close,
                                   const uint8_t *src, int32_t n, int32_t channels, size_t ahead);
 
 /* What is known of a block of texels at once. */
@@ -240,7 +241,7 @@ typedef struct ntp__kernels_table {
     ntp__validate_fn *validate;
     ntp__validate_rgb_fn *validate_rgb; /* NULL where planes are as fast */
     ntp__count8_fn *count_cells;        /* NULL where a table is faster than arithmetic */
-    ntp__count_exact8_fn *count_exact8; /* NULL where look-ups are as fast */
+    ntp__count_close8_fn *count_close8; /* NULL where look-ups are as fast */
     ntp__survey8_fn *survey8;
     ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
