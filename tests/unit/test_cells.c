@@ -173,7 +173,7 @@ static void check_close_counts(void)
                 CHECK(by_place[i] == 0);
                 continue;
             }
-            const uint32_t *const c = close8[ntp__close8_of((uint32_t) row) + i];
+            const uint32_t *const c = close8[ntp__close8_of((uint32_t) row, i)];
             CHECK((uint32_t) c[0] + c[1] + c[2] + c[3] == by_place[i]);
         }
     }

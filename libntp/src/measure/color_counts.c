@@ -133,13 +133,14 @@ static inline int32_t next_of(int32_t row, int32_t most)
     return row + 1 == (most + 1) * (most + 2) / 2 ? NTP__ROWS - NTP__FLAT_ROWS : row + 1;
 }
 
-/* The close texels of a row by their places; returns whether there are any. */
-static inline bool sum_close(uint32_t count[NTP__CLOSE8_BLUES],
-                             const uint32_t (*close)[NTP__CLOSE8_COPIES])
+/* The close texels of a row by the low bits of their blues; returns whether there are any. */
+static inline bool sum_close(uint32_t count[NTP__CLOSE8_BLUES], const ntp__color_counts *t,
+                             int32_t row)
 {
     uint32_t any = 0;
-    for (int32_t i = 0; i < NTP__CLOSE8_BLUES; i++) {
-        count[i] = close[i][0] + close[i][1] + close[i][2] + close[i][3];
+    for (uint32_t i = 0; i < NTP__CLOSE8_BLUES; i++) {
+        const uint32_t *const close = t->close[ntp__close8_of((uint32_t) row, i)];
+        count[i] = close[0] + close[1] + close[2] + close[3];
         any |= count[i]; /* less than 2^32 in all */
     }
     return any != 0;
@@ -170,7 +171,7 @@ static void add_close(ntp__color_counts *into, const ntp__color_counts *from, in
 {
     uint32_t count[NTP__CLOSE8_BLUES];
     for (int32_t row = 0; from->has_close && row < NTP__ROWS; row = next_close(row, most)) {
-        if (!sum_close(count, from->close + ntp__close8_of((uint32_t) row)))
+        if (!sum_close(count, from, row))
             continue;
         const uint32_t least = (uint32_t) from->row_blue[row] - NTP__CLOSE8_BELOW;
         into->row_pair[row] = from->row_pair[row];
@@ -185,13 +186,13 @@ static void add_close(ntp__color_counts *into, const ntp__color_counts *from, in
 void ntp__take_close8(ntp__color_counts *t, int32_t most)
 {
     add_close(t, t, most);
-    if (t->has_close) {
-        const size_t row = NTP__CLOSE8_BLUES * sizeof t->close[0];
-        const int32_t rows = most < 126 ? (most + 1) * (most + 2) / 2 : NTP__CLOSE8_ROWS;
-        memset(t->close, 0, (size_t) rows * row);
-        memset(t->close[NTP__CLOSE8_ROWS * NTP__CLOSE8_BLUES], 0,
-               NTP__FLAT_ROWS * row + sizeof t->close[0]);
+    const int32_t rows = most < 126 ? (most + 1) * (most + 2) / 2 : NTP__CLOSE8_ROWS;
+    for (uint32_t i = 0; t->has_close && i < NTP__CLOSE8_BLUES; i++) {
+        memset(t->close[ntp__close8_of(0, i)], 0, (size_t) rows * sizeof t->close[0]);
+        memset(t->close[ntp__close8_of(NTP__ROWS - NTP__FLAT_ROWS, i)], 0,
+               NTP__FLAT_ROWS * sizeof t->close[0]);
     }
+    memset(t->close[NTP__CLOSE8_NONE], 0, sizeof t->close[0]);
     t->has_close = 0;
 }
 

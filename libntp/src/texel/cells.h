@@ -31,23 +31,26 @@ enum {
 enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2, NTP__SEEN_CARRIED = 4, NTP__SEEN_DENSE = 8 };
 
 /* Close texels of a row, whose blue is one of eight around its derived one: from 4 levels below that to 3
- * above it, told apart by their low bits.  Neighbors are often alike, and a count waits for the one before
- * it in the same place; so there are four counts, one for each fourth texel.  Rows beyond
- * NTP__CLOSE8_ROWS are too long, but for the flat ones, which follow here: numbers take 16 bits. */
+ * above it, told apart by their low bits.  These are the high bits of a number of 16 bits, so that rows which
+ * are much alike lie together.  Neighbors are often alike, and a count waits for the one before it in the
+ * same place; so there are four counts, one for each fourth texel.  Rows from NTP__CLOSE8_ROWS on are too
+ * long, but for the flat ones, which take their places. */
 enum {
     NTP__CLOSE8_ROWS = 127 * 128 / 2,
     NTP__CLOSE8_BLUES = 8,
     NTP__CLOSE8_BELOW = 4,
-    NTP__CLOSE8_NONE = (NTP__CLOSE8_ROWS + NTP__FLAT_ROWS) * NTP__CLOSE8_BLUES, /* of no color */
+    NTP__CLOSE8_SHIFT = 13,
+    NTP__CLOSE8_NONE = 65535, /* of no color */
     NTP__CLOSE8_COPIES = 4
 };
-typedef uint32_t ntp__close8_counts[NTP__CLOSE8_NONE + 1][NTP__CLOSE8_COPIES];
+typedef uint32_t ntp__close8_counts[65536][NTP__CLOSE8_COPIES];
 
-/* Where the counts of a row begin, which is flat or below NTP__CLOSE8_ROWS. */
-static inline uint32_t ntp__close8_of(uint32_t row)
+/* The counts of a blue of a row, which is flat or below NTP__CLOSE8_ROWS. */
+static inline uint32_t ntp__close8_of(uint32_t row, uint32_t blue)
 {
     enum { FLAT = NTP__ROWS - NTP__FLAT_ROWS };
-    return (row < FLAT ? row : row - FLAT + NTP__CLOSE8_ROWS) * NTP__CLOSE8_BLUES;
+    return (row < FLAT ? row : row - FLAT + NTP__CLOSE8_ROWS) | blue % NTP__CLOSE8_BLUES
+                                                                    << NTP__CLOSE8_SHIFT;
 }
 
 typedef struct ntp__cell_counts {

@@ -219,7 +219,7 @@ static inline __m256i twice_of(__m256i words)
 static inline __m256i are_close(__m256i *rows, __m256i *places, const uint8_t *src,
                                 const layout8 *l)
 {
-    enum { MOVED = NTP__ROWS - NTP__FLAT_ROWS - NTP__CLOSE8_ROWS, LAST = NTP__CLOSE8_BLUES - 1 };
+    enum { MOVED = NTP__ROWS - NTP__FLAT_ROWS - NTP__CLOSE8_ROWS };
     __m256i pairs, blues;
     load_16(&pairs, &blues, src, l);
     const __m256i k = _mm256_min_epu8(_mm256_xor_si256(pairs, _mm256_set1_epi8(127)),
@@ -236,8 +236,7 @@ static inline __m256i are_close(__m256i *rows, __m256i *places, const uint8_t *s
     /* of close ones only flat rows have numbers of at least 2^13 */
     const __m256i flat = _mm256_and_si256(_mm256_srli_epi16(*rows, 6), _mm256_set1_epi16(MOVED));
     const __m256i row = _mm256_sub_epi16(*rows, flat);
-    *places = _mm256_or_si256(_mm256_slli_epi16(row, 3),
-                              _mm256_and_si256(blues, _mm256_set1_epi16(LAST)));
+    *places = _mm256_or_si256(row, _mm256_slli_epi16(blues, NTP__CLOSE8_SHIFT));
     return _mm256_andnot_si256(_mm256_cmpeq_epi16(pairs, twice_of(blues)), close);
 }
 
