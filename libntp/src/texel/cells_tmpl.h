@@ -210,13 +210,14 @@ static inline __m256i twice_of(__m256i words)
 }
 
 /*
- * The rows of 16 texels, their places among counts of close ones, and which of them are close and opaque.
- * With u = b - 127, these have 128 <= b, (u - 4)^2 <= e < (u + 4)^2, or -8u - 16 < u*u - e <= 8u - 16.
- * From u = 4 on that is root - 3 <= u <= root + 4, where 128 + root is the derived blue; below, less.  u is
- * 0 where blue is less than 128 or alpha is not 255, so that it does not hold.  u*u is at most 2^14, and |e|
- * less than 2^14 + 2.  Grays are left to the caller.
+ * The rows of 16 texels, and their places among counts of close ones: NTP__CLOSE8_NONE where they are not
+ * close, not opaque, or gray.  Returns which of them are that: the caller counts them.  With u = b - 127,
+ * close ones have 128 <= b, (u - 4)^2 <= e < (u + 4)^2, or 0 <= u (u + 8) - e + 15 < 16 u.  From u = 4 on
+ * that is root - 3 <= u <= root + 4, where 128 + root is the derived blue; below, it is part of that.  u is 0
+ * where blue is less than 128 or alpha is not 255, so that it does not hold.  The sum is from -2^14 to
+ * 34,000: as unsigned numbers, negative ones are above 2^15 too.
  */
-static inline __m256i are_close(__m256i *rows, __m256i *places, const uint8_t *src,
+static inline __m256i are_other(__m256i *rows, __m256i *places, const uint8_t *src,
                                 const layout8 *l)
 {
     enum { MOVED = NTP__ROWS - NTP__FLAT_ROWS - NTP__CLOSE8_ROWS };
@@ -226,18 +227,19 @@ static inline __m256i are_close(__m256i *rows, __m256i *places, const uint8_t *s
                                       _mm256_xor_si256(pairs, _mm256_set1_epi8(-128)));
     const __m256i xy = _mm256_maddubs_epi16(_mm256_sub_epi8(k, _mm256_set1_epi8(-1)), k);
     const __m256i u = _mm256_subs_epu16(blues, l->before);
-    const __m256i above =
-        _mm256_add_epi16(_mm256_mullo_epi16(u, u), _mm256_sub_epi16(xy, _mm256_set1_epi16(REST_8)));
-    const __m256i u8 = _mm256_slli_epi16(u, 3);
-    const __m256i close =
-        _mm256_and_si256(_mm256_cmpgt_epi16(_mm256_adds_epi16(above, u8), _mm256_set1_epi16(-16)),
-                         _mm256_cmpgt_epi16(_mm256_sub_epi16(u8, above), _mm256_set1_epi16(15)));
+    const __m256i square = _mm256_mullo_epi16(u, _mm256_add_epi16(u, _mm256_set1_epi16(8)));
+    const __m256i sum =
+        _mm256_add_epi16(square, _mm256_sub_epi16(xy, _mm256_set1_epi16(REST_8 - 15)));
+    const __m256i below = _mm256_subs_epu16(_mm256_slli_epi16(u, 4), sum);
+    const __m256i other = _mm256_or_si256(_mm256_cmpeq_epi16(below, _mm256_setzero_si256()),
+                                          _mm256_cmpeq_epi16(pairs, twice_of(blues)));
     *rows = row_words(pairs, k);
     /* of close ones only flat rows have numbers of at least 2^13 */
     const __m256i flat = _mm256_and_si256(_mm256_srli_epi16(*rows, 6), _mm256_set1_epi16(MOVED));
-    const __m256i row = _mm256_sub_epi16(*rows, flat);
-    *places = _mm256_or_si256(row, _mm256_slli_epi16(blues, NTP__CLOSE8_SHIFT));
-    return _mm256_andnot_si256(_mm256_cmpeq_epi16(pairs, twice_of(blues)), close);
+    const __m256i place =
+        _mm256_or_si256(_mm256_sub_epi16(*rows, flat), _mm256_slli_epi16(blues, NTP__CLOSE8_SHIFT));
+    *places = _mm256_or_si256(place, other);
+    return other;
 }
 
 /* A bit for each of sixteen words with all bits set. */
@@ -257,11 +259,10 @@ static void count_close8(ntp__close8_block *out, ntp__close8_counts close, const
     for (int32_t i = 0; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
         __m256i rows, places;
         _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
-        const __m256i is_close = are_close(&rows, &places, src, &layout);
+        const __m256i other = are_other(&rows, &places, src, &layout);
         _mm256_storeu_si256((__m256i *) (void *) (out->row + i), rows);
-        places = _mm256_blendv_epi8(_mm256_set1_epi16((short) NTP__CLOSE8_NONE), places, is_close);
         _mm256_storeu_si256((__m256i *) (void *) (at + waiting), places);
-        const uint32_t left = ~lanes_of_words(is_close) & 0xffff;
+        const uint32_t left = lanes_of_words(other);
         for (int32_t k = 0; left != 0 && k < GROUP; k += 4)
             others += find_four_bytes(out->left + others, i + k, left >> k & 15);
         const __m256i first = _mm256_broadcastw_epi16(_mm256_castsi256_si128(places));
