@@ -18,6 +18,7 @@ enum {
     SMALL = 2048,         /* symbols; in larger blocks, codes made for them are shorter */
     COUNT_MAX = (1 << 22) - 1,
     WORD_BITS = 9,
+    FOUR_MAX = 14, /* bits: four such words fit beside 7 bits that wait */
     STORED_MAX = 65535,
     FIXED = 1,
     MADE = 2
@@ -30,10 +31,26 @@ typedef struct code {
 
 /* --------------------------------------------------------------------------- codes */
 
-static int compare(const void *a, const void *b)
+/*
+ * Sorts keys by their counts, those of equal counts as they stand: by a byte after the other, the
+ * lowest first.  qsort took a fiftieth of the time of a file.
+ */
+static void sort_keys(uint32_t *keys, int n)
 {
-    const uint32_t x = *(const uint32_t *) a, y = *(const uint32_t *) b;
-    return x < y ? -1 : x > y;
+    enum { DIGIT = 8, DIGITS = 1 << DIGIT };
+    uint32_t sorted[NTPIO__WORDS], all = 0;
+    for (int i = 0; i < n; i++)
+        all |= keys[i];
+    for (unsigned shift = WORD_BITS; all >> shift != 0; shift += DIGIT) {
+        uint16_t next[DIGITS + 1] = { 0 };
+        for (int i = 0; i < n; i++)
+            next[(keys[i] >> shift) % DIGITS + 1]++;
+        for (int digit = 1; digit < DIGITS; digit++)
+            next[digit] = (uint16_t) (next[digit] + next[digit - 1]);
+        for (int i = 0; i < n; i++)
+            sorted[next[(keys[i] >> shift) % DIGITS]++] = keys[i];
+        memcpy(keys, sorted, (size_t) n * sizeof *keys);
+    }
 }
 
 /*
@@ -123,7 +140,7 @@ static void make_code(code *c, const uint32_t *counts, unsigned words, unsigned 
             keys[n++] = count << WORD_BITS | i;
     }
     if (n > 1) {
-        qsort(keys, (size_t) n, sizeof *keys, compare);
+        sort_keys(keys, n); /* they stand in the order of their words */
         for (int i = 0; i < n; i++)
             depths[i] = keys[i] >> WORD_BITS;
         count_depths(depths, n, at_depth);
@@ -277,13 +294,13 @@ static inline void put_match(ntpio__bits *b, ntpio__match match, const uint32_t 
     ntpio__flush_bits(b);
 }
 
-/* Three at once: 45 bits, and 7 that wait. */
+/* Three at once: 45 bits, and 7 that wait.  Four, if no word is longer than FOUR_MAX. */
 static inline const uint8_t *put_literals(ntpio__bits *b, const uint8_t *bytes, size_t count,
-                                          const uint32_t *words)
+                                          const uint32_t *words, int at_once)
 {
     const uint8_t *end = bytes + count;
-    for (; end - bytes >= 3; bytes += 3) {
-        for (int i = 0; i < 3; i++)
+    for (; end - bytes >= at_once; bytes += at_once) {
+        for (int i = 0; i < at_once; i++)
             ntpio__add_bits(b, words[bytes[i]] >> 16, words[bytes[i]] & 0xffff);
         ntpio__flush_bits(b);
     }
@@ -293,19 +310,32 @@ static inline const uint8_t *put_literals(ntpio__bits *b, const uint8_t *bytes, 
     return bytes;
 }
 
+static inline void put_some(ntpio__bits *b, const ntpio__step *steps, size_t count,
+                            const uint8_t *bytes, const uint32_t *words, const code *distances,
+                            int at_once)
+{
+    for (size_t i = 0; i < count; i++) {
+        bytes = put_literals(b, bytes, steps[i].literals, words, at_once);
+        if (steps[i].match != 0)
+            put_match(b, steps[i].match, words, distances);
+        bytes += steps[i].match >> 16;
+    }
+}
+
 static void put_steps(ntpio__bits *to, const ntpio__step *steps, size_t count, const uint8_t *bytes,
                       const code *words, const code *distances)
 {
     uint32_t both[NTPIO__WORDS]; /* word << 16 | its bits: one look finds both */
     ntpio__bits b = *to;         /* stays in registers */
+    unsigned longest = 0;
     for (unsigned i = 0; i < NTPIO__WORDS; i++)
         both[i] = (uint32_t) words->word[i] << 16 | words->bits[i];
-    for (size_t i = 0; i < count; i++) {
-        bytes = put_literals(&b, bytes, steps[i].literals, both);
-        if (steps[i].match != 0)
-            put_match(&b, steps[i].match, both, distances);
-        bytes += steps[i].match >> 16;
-    }
+    for (unsigned i = 0; i < NTPIO__LITERALS; i++)
+        longest = words->bits[i] > longest ? words->bits[i] : longest;
+    if (longest <= FOUR_MAX)
+        put_some(&b, steps, count, bytes, both, distances, 4);
+    else
+        put_some(&b, steps, count, bytes, both, distances, 3);
     ntpio__put_bits(&b, words->word[END], words->bits[END]);
     *to = b;
 }

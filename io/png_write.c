@@ -11,6 +11,7 @@
 #include "deflate.h"
 #include "formats.h"
 #include "png_pack.h"
+#include "png_sums.h"
 
 enum {
     IDAT_SIZE = 1 << 18, /* of compressed data at a time: few system calls */
@@ -45,13 +46,18 @@ static void on_warning(png_structp png, png_const_charp message)
     (void) message;
 }
 
-static void on_write(png_structp png, png_bytep bytes, size_t size)
+static void write_bytes(png_structp png, const uint8_t *bytes, size_t size)
 {
     png_state *s = png_get_io_ptr(png);
     if (!ntpio__output_write(s->writer->output, bytes, size, s->error)) {
         s->output_failed = true;
         png_error(png, "write error");
     }
+}
+
+static void on_write(png_structp png, png_bytep bytes, size_t size)
+{
+    write_bytes(png, bytes, size);
 }
 
 /* Of the tail's file, only its end is wanted. */
@@ -197,9 +203,20 @@ static void begin_rows(png_state *s)
         png_error(s->png, "out of memory");
 }
 
+/* As png_write_chunk, whose checksum takes longer. */
+static void put_pixels(png_state *s, const uint8_t *packed, size_t size)
+{
+    enum { NUMBER = 4, HEAD = 2 * NUMBER };
+    png_byte head[HEAD + 1] = "....IDAT", sum[NUMBER];
+    png_save_uint_32(head, (png_uint_32) size);
+    png_save_uint_32(sum, ntpio__crc32(ntpio__crc32(0, head + NUMBER, NUMBER), packed, size));
+    write_bytes(s->png, head, HEAD);
+    write_bytes(s->png, packed, size);
+    write_bytes(s->png, sum, NUMBER);
+}
+
 static void put_row(png_state *s, const uint8_t *row)
 {
-    static const png_byte name[] = "IDAT";
     const bool swap = s->writer->options.sample_bytes == 2 && ntpio__little_endian();
     const uint8_t *packed = NULL;
     if (s->packer == NULL) {
@@ -208,7 +225,7 @@ static void put_row(png_state *s, const uint8_t *row)
     }
     ntpio__png_pack_row(s->packer, row, swap);
     for (size_t size; (size = ntpio__png_packed(s->packer, &packed)) != 0;)
-        png_write_chunk(s->png, name, packed, size);
+        put_pixels(s, packed, size);
 }
 
 static bool png_rows(ntpio_writer *writer, const uint8_t *src, ptrdiff_t stride, uint32_t count,
