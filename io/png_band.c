@@ -67,7 +67,7 @@ bool ntpio__band_init(const ntpio__banding *p, ntpio__band *b)
     const size_t size = p->rows * (p->row_size + 1);
     ntpio__band_free(b);
     b->deflater = ntpio__deflater_new(p->rival != 0 ? NTPIO__LEVEL_MAX : p->level);
-    b->raw = calloc(p->rows + (size_t) 1, p->pitch);
+    b->raw = calloc(p->at_once ? 2 : p->rows + (size_t) 1, p->pitch);
     b->filtered = malloc(NTPIO__WINDOW + size + NTPIO__SLACK);
     b->out = malloc(most_packed(p));
     b->again = malloc(most_packed(p));
@@ -89,7 +89,8 @@ void ntpio__band_free(ntpio__band *b)
 
 uint8_t *ntpio__band_row(const ntpio__banding *p, const ntpio__band *b, int64_t y)
 {
-    return b->raw + (size_t) (y + 1) * p->pitch + NTPIO__TEXEL_MAX;
+    const size_t row = (size_t) (y + 1);
+    return b->raw + (p->at_once ? row % 2 : row) * p->pitch + NTPIO__TEXEL_MAX;
 }
 
 /* The filter with the least sum; the first of equals.  As in libpng, not Average in a single column
@@ -119,6 +120,16 @@ static size_t filter_rows(const ntpio__banding *p, const ntpio__band *b, uint32_
         out += p->row_size + 1;
     }
     return (size_t) (out - start);
+}
+
+bool ntpio__band_takes_guess(int level)
+{
+    return level < SEARCHES;
+}
+
+void ntpio__band_filter_row(const ntpio__banding *p, const ntpio__band *b, uint32_t y)
+{
+    filter_rows(p, b, y, 1, GUESS, b->filtered + NTPIO__WINDOW + y * (p->row_size + 1));
 }
 
 /* One of how many groups of rows is tried. */
@@ -226,8 +237,9 @@ static void choose_way(const ntpio__banding *p, ntpio__band *b)
 static void filter_band(const ntpio__banding *p, ntpio__band *b, int kind)
 {
     uint8_t *bytes = b->filtered + NTPIO__WINDOW;
-    const size_t size = filter_rows(p, b, 0, b->rows, kind, bytes);
-    memset(bytes + size, 0, NTPIO__SLACK);
+    if (!p->at_once)
+        filter_rows(p, b, 0, b->rows, kind, bytes);
+    memset(bytes + ntpio__band_size(p, b), 0, NTPIO__SLACK);
 }
 
 /* Packs what was filtered.  The smaller one counts: then it is in `out`. */

@@ -168,6 +168,8 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     p->shared = (ntpio__banding) {
         .level = small && level < CAREFUL ? CAREFUL : level, /* that takes no time to speak of */
         .small = small,
+        /* One thread would only read the rows again; of several, those that pack filter as well. */
+        .at_once = threads < 2 && ntpio__band_takes_guess(level),
         .row_size = row_size,
         .texel = texel,
         .pitch = NTPIO__TEXEL_MAX + row_size,
@@ -224,7 +226,7 @@ void ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap)
     const ntpio__band *b = &p->bands[p->filled % p->slots];
     if (p->in_band == 0)
         memcpy(ntpio__band_row(&p->shared, b, -1), p->before, p->shared.row_size);
-    uint8_t *to = ntpio__band_row(&p->shared, b, p->in_band++);
+    uint8_t *to = ntpio__band_row(&p->shared, b, p->in_band);
     p->left--;
     if (!swap)
         memcpy(to, row, p->shared.row_size);
@@ -232,6 +234,9 @@ void ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap)
         to[i] = row[i + 1];
         to[i + 1] = row[i];
     }
+    if (p->shared.at_once)
+        ntpio__band_filter_row(&p->shared, b, p->in_band);
+    p->in_band++;
     if (p->in_band == p->shared.rows || p->left == 0)
         fill_band(p);
 }
