@@ -28,7 +28,7 @@ static bool has_avx512(void)
 bool ntp__cpu_has_avx512(int mask)
 {
 #ifdef NTP_HAVE_AVX512
-    return ntp__cpu_has_avx2(mask) && has_avx512();
+    return (mask & NTP__CPU_AVX512) != 0 && ntp__cpu_has_avx2(mask) && has_avx512();
 #else
     (void) mask;
     return false;

@@ -478,9 +478,9 @@ ntp_status ntp_clean(const ntp_image *dst, const ntp_const_image *src, const ntp
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, src, area));
 
-    job j = {
-        .dst = dst, .src = src, .m = ntp__max(src->type), .kernels = ntp__kernels(NTP__CPU_ALL)
-    };
+    ntp__kernels_table kernels;
+    job j = { .dst = dst, .src = src, .m = ntp__max(src->type), .kernels = &kernels };
+    ntp__pick_kernels(&kernels, NTP__CPU_ALL);
     NTP__TRY(check_options(&j.how, how));
     j.count = counts != NULL;
     j.encoding = src->encoding == NTP_ENCODING_VECTOR ? NTP_ENCODING_STANDARD : src->encoding;

@@ -19,10 +19,11 @@ static ntp__validity validity_of(const ntp_const_image *src, bool keep_negative_
                              .others = xy ? PASSES : 0 };
 }
 
-static void flag_run(uint8_t *flags, ntp__block *block, int32_t n, const ntp__validity *how)
+static void flag_run(ntp__validate_fn *validate, uint8_t *flags, ntp__block *block, int32_t n,
+                     const ntp__validity *how)
 {
     int32_t *const planes[] = { block->c[0], block->c[1], block->c[2], block->c[3] };
-    ntp__kernels(NTP__CPU_ALL)->validate(flags, planes, n, how);
+    validate(flags, planes, n, how);
     for (int32_t i = 0; block->any_broken && i < n; i++) {
         if (block->broken[i])
             flags[i] = (uint8_t) ((flags[i] & ~(uint32_t) PASSES) | NTP_FLAG_NOT_FINITE);
@@ -56,8 +57,9 @@ ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src, int32
     NTP__TRY(ntp__check_area(&rect, src, area));
     const ntp__validity how = validity_of(src, keep_negative_z != 0);
     const bool packed = src->type != NTP_TYPE_F32 && src->channels == 3 && ntp__is_packed(src);
-    ntp__validate_rgb_fn *const rgb =
-        packed && !how.zzero ? ntp__kernels(NTP__CPU_ALL)->validate_rgb : NULL;
+    ntp__kernels_table kernels;
+    ntp__pick_kernels(&kernels, NTP__CPU_ALL);
+    ntp__validate_rgb_fn *const rgb = packed && !how.zzero ? kernels.validate_rgb : NULL;
     const bool direct = rgb != NULL && mask->pixel_stride == 1;
     const int32_t most = direct ? NTP_MAX_SIDE : NTP__BLOCK;
     for (int32_t y = rect.y0; y < rect.y1; y++) {
@@ -69,7 +71,7 @@ ntp_status ntp_validate(const ntp_image *mask, const ntp_const_image *src, int32
             } else {
                 ntp__block block;
                 ntp__unpack(&block, src, x, y, n);
-                flag_run(flags, &block, n, &how);
+                flag_run(kernels.validate, flags, &block, n, &how);
             }
             if (!direct)
                 store(mask, flags, x, y, n);

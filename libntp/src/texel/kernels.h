@@ -266,4 +266,7 @@ enum {
 /* The kernels for this processor; cpu.h says what the mask is. */
 const ntp__kernels_table *ntp__kernels(int mask);
 
+/* A copy of these, in which loops for AVX-512 (kernels_avx512.h) have the places of some. */
+void ntp__pick_kernels(ntp__kernels_table *kernels, int mask);
+
 #endif

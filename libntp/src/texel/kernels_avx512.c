@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * kernels_avx512.c - loops over packed RGB with AVX-512
+ *
+ * They do what those of kernels.c do (kernels.h says what), and replace them where there is AVX-512.
+ */
+#include "texel/kernels_avx512.h"
+
+#include "libntp.h"
+
+#include <string.h>
+
+#include "texel/packed_avx512_tmpl.h"
+
+enum { STEP_BYTES = 48 };
+
+/* ------------------------------------------------------------------ over the length */
+
+/*
+ * A step is 48 bytes: 16 texels of 8 bit as floats, or 8 of 16 bit as doubles.  With x = r - M/2, half
+ * the numerator, all squares and their sum S are exact.  The level is floor(x f + (M + 1)/2), where
+ * f = M/2 over the root of S.  It is summed up on top of a power of two, so that the lowest bits are
+ * the level and a part of it, in units of 2^-15 of a level, or 2^-16.
+ *
+ * y is 1/sqrt(S) but for 2^-14 of it, so e = 1 - S y^2 is below 2^-12.9, and 1/sqrt(S) = y (1 + e/2 +
+ * 3 e^2/8 + ...).  Of floats the second term is left out, which is less than 2^-27; and roundings add
+ * 2.5 times 2^-24.  Of less than 2^22 units that is 0.75 at most, and the sum is rounded by half of one.  Of
+ * doubles the third term is left out, which is less than 2^-40, and all is less than 2^31 units.  So a
+ * level is sure if it is more than one unit from the next.
+ */
+
+static inline __m512i of(double v, bool deep)
+{
+    return deep ? _mm512_castpd_si512(_mm512_set1_pd(v))
+                : _mm512_castps_si512(_mm512_set1_ps((float) v));
+}
+
+/* a b + c */
+static inline __m512i fused(__m512i a, __m512i b, __m512i c, bool deep)
+{
+    if (deep)
+        return _mm512_castpd_si512(_mm512_fmadd_pd(
+            _mm512_castsi512_pd(a), _mm512_castsi512_pd(b), _mm512_castsi512_pd(c)));
+    return _mm512_castps_si512(
+        _mm512_fmadd_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b), _mm512_castsi512_ps(c)));
+}
+
+static inline __m512i times(__m512i a, __m512i b, bool deep)
+{
+    return deep ? _mm512_castpd_si512(_mm512_mul_pd(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b)))
+                : _mm512_castps_si512(_mm512_mul_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b)));
+}
+
+static inline __m512i sum_of(__m512i a, __m512i b, bool deep)
+{
+    return deep ? _mm512_castpd_si512(_mm512_add_pd(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b)))
+                : _mm512_castps_si512(_mm512_add_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b)));
+}
+
+static inline __m512i size_of(__m512i v, bool deep)
+{
+    return _mm512_and_si512(v, deep ? _mm512_set1_epi64(INT64_MAX) : _mm512_set1_epi32(INT32_MAX));
+}
+
+static inline uint32_t is_below(__m512i a, __m512i b, bool deep)
+{
+    if (deep)
+        return _mm512_cmp_pd_mask(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b), _CMP_LT_OQ);
+    return _mm512_cmp_ps_mask(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b), _CMP_LT_OQ);
+}
+
+static inline __m512i either(uint32_t mask, __m512i if_set, __m512i if_not, bool deep)
+{
+    return deep ? _mm512_mask_mov_epi64(if_not, (__mmask8) mask, if_set)
+                : _mm512_mask_mov_epi32(if_not, (__mmask16) mask, if_set);
+}
+
+static inline __m512i inverse_root(__m512i v, bool deep)
+{
+    return deep ? _mm512_castpd_si512(_mm512_rsqrt14_pd(_mm512_castsi512_pd(v)))
+                : _mm512_castps_si512(_mm512_rsqrt14_ps(_mm512_castsi512_ps(v)));
+}
+
+/* Half the numerators k. */
+static inline __m512i halves_of(__m512i v, int k, bool deep)
+{
+    const double base = deep ? 0x1p36 : 0x1p15;
+    const __m512i from = deep ? _mm512_cvtepi32_epi64(_mm512_castsi512_si256(
+                                    steps_of(0x06060000, 0x01000000 + 0x02020000 * k)))
+                              : steps_of(0x0300, 0x0100 * k);
+    const __m512i level = _mm512_mask_permutexvar_epi8(
+        of(base, deep), deep ? 0x0c0c0c0c0c0c0c0c : 0x2222222222222222, from, v);
+    return sum_of(level, of(-base - (deep ? 32767.5 : 127.5), deep), deep);
+}
+
+/* The levels of sums, packed. */
+static inline __m512i packed_levels(__m512i r, __m512i g, __m512i b, bool deep)
+{
+    /* Bytes of red and of blue, and 64 + those of green. */
+    static const _Alignas(64) uint8_t of_deep[64] = {
+        2,  3,  66, 67, 2,  3,  10, 11, 74,  75,  10, 11, 18, 19, 82,  83,
+        18, 19, 26, 27, 90, 91, 26, 27, 34,  35,  98, 99, 34, 35, 42,  43,
+        106, 107, 42, 43, 50, 51, 114, 115, 50, 51, 58, 59, 122, 123, 58, 59,
+    }, of_8[64] = {
+        2,  66, 2,  6,  70, 6,  10, 74, 10, 14, 78, 14, 18,  82,  18, 22,
+        86, 22, 26, 90, 26, 30, 94, 30, 34, 98, 34, 38, 102, 38,  42, 106,
+        42, 46, 110, 46, 50, 114, 50, 54, 118, 54, 58, 122, 58, 62, 126, 62,
+    };
+    const __m512i from = _mm512_load_si512(deep ? of_deep : of_8);
+    return _mm512_mask_permutexvar_epi8(_mm512_permutex2var_epi8(r, from, g),
+                                        deep ? 0xc30c30c30c30 : 0x924924924924,
+                                        from, b);
+}
+
+/* Factors that make halves of numerators those of unit vectors.  1 for texels that are rounded already,
+ * and 0 for corners of the cube, which so are in doubt. */
+static inline __m512i factors_of(const __m512i x[3], bool deep)
+{
+    const double m = deep ? 65535 : 255;
+    const __m512i squares = fused(x[2], x[2], fused(x[1], x[1], times(x[0], x[0], deep), deep), deep);
+    const __m512i sizes = sum_of(sum_of(size_of(x[0], deep), size_of(x[1], deep), deep), x[2], deep);
+    const __m512i off = size_of(sum_of(squares, of((2 - m * m) / 4, deep), deep), deep);
+    const __m512i y = inverse_root(squares, deep), half = of(0.5, deep);
+    const __m512i minus_e = fused(times(squares, y, deep), y, of(-1, deep), deep);
+    const __m512i by = deep ? fused(minus_e, of(0.375, deep), of(-0.5, deep), deep) : of(-0.5, deep);
+    const __m512i scaled = times(y, of(m / 2, deep), deep);
+    const __m512i factor = fused(times(scaled, minus_e, deep), by, scaled, deep);
+    const uint32_t inside = is_below(squares, of(3 * m * m / 4, deep), deep);
+    const uint32_t rounded = is_below(off, sum_of(sizes, half, deep), deep);
+    return either(rounded, of(1, deep), either(inside, factor, _mm512_setzero_si512(), deep), deep);
+}
+
+static inline int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t n, int32_t *at,
+                                    uint64_t *changed, bool deep)
+{
+    const int32_t size = deep ? 6 : 3, texels = STEP_BYTES / size;
+    const double unit = deep ? 0x1p-16 : 0x1p-15;
+    const __m512i base = of((deep ? 0x1p36 + 32768 : 0x1p8 + 128) + unit, deep);
+    int32_t found = 0;
+    uint64_t sum = 0;
+    for (int32_t i = 0; i < n; i += texels, s += STEP_BYTES, d += STEP_BYTES) {
+        const __m512i v = load_48(s);
+        __m512i x[3] = { halves_of(v, 0, deep), halves_of(v, 1, deep), halves_of(v, 2, deep) };
+        x[2] = size_of(x[2], deep);
+        const __m512i factor = factors_of(x, deep);
+        for (int k = 0; k < 3; k++) {
+            x[k] = fused(x[k], factor, base, deep);
+            x[k] = deep ? x[k] : _mm512_slli_epi32(x[k], 1);
+        }
+        __m512i now = packed_levels(x[0], x[1], x[2], deep);
+        const __m512i part = _mm512_min_epu16(_mm512_min_epu16(x[0], x[1]), x[2]);
+        uint32_t left = _mm512_mask_cmplt_epu16_mask(deep ? 0x11111111 : 0x55555555, part,
+                                                     _mm512_set1_epi16(deep ? 3 : 6));
+        if (left != 0) {
+            uint8_t was[64], to[64];
+            _mm512_storeu_si512(was, v);
+            _mm512_storeu_si512(to, now);
+            for (; left != 0; left &= left - 1) {
+                const int32_t k = __builtin_ctz(left) / (deep ? 4 : 2);
+                memcpy(to + size * k, was + size * k, (size_t) size);
+                at[found++] = i + k;
+            }
+            now = _mm512_loadu_si512(to);
+        }
+        const uint64_t other =
+            deep ? _mm512_cmpneq_epi16_mask(now, v) : _mm512_cmpneq_epi8_mask(now, v);
+        sum += (uint64_t) __builtin_popcountll((other | other >> 1 | other >> 2) &
+                                               (deep ? 0x249249 : 0x249249249249));
+        _mm256_storeu_si256((void *) d, _mm512_castsi512_si256(now));
+        _mm_storeu_si128((void *) (d + 32), _mm512_extracti32x4_epi32(now, 2));
+    }
+    *changed += sum;
+    return found;
+}
+
+int32_t ntp__normalize_rgb8_avx512(void *dst, const void *src, int32_t n, int32_t *at,
+                                   uint64_t *changed)
+{
+    return normalize_rgb(dst, src, n, at, changed, false);
+}
+
+int32_t ntp__normalize_rgb16_avx512(void *dst, const void *src, int32_t n, int32_t *at,
+                                    uint64_t *changed)
+{
+    return normalize_rgb(dst, src, n, at, changed, true);
+}
+
+/* ------------------------------------------------------------------ flags */
+
+/* The tests of texel/flags_tmpl.h, which says why they are right: of 32 texels of 8 bit, in 16 bits each, or
+ * 16 of 16 bit in 32. */
+
+static inline __m512i all_of(int64_t v, bool deep)
+{
+    return deep ? _mm512_set1_epi32((int32_t) (uint32_t) v) : _mm512_set1_epi16((short) v);
+}
+
+static inline __m512i plus(__m512i v, __m512i w, bool deep)
+{
+    return deep ? _mm512_add_epi32(v, w) : _mm512_add_epi16(v, w);
+}
+
+static inline __m512i minus(__m512i v, __m512i w, bool deep)
+{
+    return deep ? _mm512_sub_epi32(v, w) : _mm512_sub_epi16(v, w);
+}
+
+/* v <= w */
+static inline __mmask32 up_to(__mmask32 these, __m512i v, __m512i w, bool deep)
+{
+    return deep ? _mm512_mask_cmple_epi32_mask((__mmask16) these, v, w)
+                : _mm512_mask_cmple_epi16_mask(these, v, w);
+}
+
+static inline __mmask32 equal(__mmask32 these, __m512i v, __m512i w, bool deep)
+{
+    return deep ? _mm512_mask_cmpeq_epi32_mask((__mmask16) these, v, w)
+                : _mm512_mask_cmpeq_epi16_mask(these, v, w);
+}
+
+static inline __m512i with(__m512i f, __mmask32 these, int32_t flag, bool deep)
+{
+    return deep ? _mm512_mask_or_epi32(f, (__mmask16) these, f, _mm512_set1_epi32(flag))
+                : _mm512_mask_add_epi16(f, these, f, _mm512_set1_epi16((short) flag));
+}
+
+/* u of all halves, with K and K - 1. */
+static inline __m512i folded(__m512i c, __m512i k, __m512i below, bool deep)
+{
+    const __m512i x = _mm512_xor_si512(c, k), y = _mm512_xor_si512(c, below);
+    return deep ? _mm512_min_epu16(x, y) : _mm512_min_epu8(x, y);
+}
+
+static inline texels take_8(const uint8_t *s)
+{
+    const __m512i v = _mm512_loadu_si512(s);
+    const __m512i w = _mm512_zextsi256_si512(_mm256_loadu_si256((const void *) (s + 64)));
+    const __m512i step = steps_of(0x06060606, 0x04030100);
+    return (texels) { _mm512_permutex2var_epi8(v, step, w), 
+                      _mm512_maskz_permutex2var_epi8(0x5555555555555555, v,
+                      _mm512_add_epi8(step, _mm512_set1_epi32(0x00020002)), w)};
+}
+
+/* The flags of 96 bytes of texels, one to each. */
+static inline __m512i flags_of(texels c, bool deep, __mmask32 mirrored, __m512i kept, __m512i others)
+{
+    const int64_t k = deep ? 32768 : 128, pair = 1 + (deep ? 1 << 16 : 1 << 8);
+    const __m512i u = folded(c.rg, all_of(k * pair, deep), all_of((k - 1) * pair, deep), deep);
+    const __m512i z = folded(c.b, all_of(k, deep), all_of(k - 1, deep), deep);
+    const __m512i sum = deep ? _mm512_madd_epi16(u, _mm512_set1_epi16(1))
+                             : _mm512_maddubs_epi16(u, _mm512_set1_epi8(1));
+    const __m512i square = deep ? _mm512_madd_epi16(u, u) : _mm512_maddubs_epi16(u, u);
+    const __m512i square_z = deep ? _mm512_madd_epi16(z, z) : _mm512_mullo_epi16(z, z);
+    const __m512i xy = plus(square, sum, deep), most = all_of(k * (k - 1) - 1, deep);
+    const __m512i s = plus(minus(xy, most, deep), plus(square_z, z, deep), deep);
+    const __m512i t = plus(sum, z, deep), rest = minus(all_of(-5, deep), s, deep);
+    const __m512i size = deep ? _mm512_abs_epi32(s) : _mm512_abs_epi16(s);
+    const __m512i reach = deep ? _mm512_max_epi32(s, rest) : _mm512_max_epi16(s, rest);
+    const __m512i gray = deep ? _mm512_or_si512(c.b, _mm512_slli_epi32(c.b, 16))
+                              : _mm512_or_si512(c.b, _mm512_slli_epi16(c.b, 8));
+    const __mmask32 every = ~0U, positive = up_to(every, all_of(k, deep), c.b, deep);
+    const __mmask32 neighbor = up_to(every, reach, plus(t, t, deep), deep);
+    const __mmask32 rounded = up_to(every, size, plus(t, all_of(1, deep), deep), deep);
+    const __mmask32 exact = up_to(positive | mirrored, size, z, deep);
+    const __mmask32 fits = up_to(every, xy, most, deep);
+    const __mmask32 corner = equal(every, t, all_of(3 * k - 3, deep), deep);
+    __m512i f = _mm512_setzero_si512();
+    f = with(f, neighbor, NTP_FLAG_NEIGHBOR, deep);
+    f = with(f, rounded, NTP_FLAG_ROUNDED, deep);
+    f = with(f, exact, NTP_FLAG_EXACT, deep);
+    f = with(f, ~fits, NTP_FLAG_XY_TOO_LONG, deep);
+    f = with(f, ~positive, NTP_FLAG_Z_NEGATIVE, deep);
+    f = _mm512_and_si512(f, kept);
+    const __mmask32 none = equal(every, f, _mm512_setzero_si512(), deep);
+    f = deep ? _mm512_mask_mov_epi32(f, (__mmask16) none, others)
+             : _mm512_mask_mov_epi16(f, none, others);
+    return with(f, equal(corner, c.rg, gray, deep), NTP_FLAG_UNUSED, deep);
+}
+
+static inline void flags_rgb(uint8_t *flags, const uint8_t *s, int32_t n, bool deep,
+                             const ntp__validity *how)
+{
+    enum { BYTES = 96, STEP = 32 };
+    const int32_t step = deep ? STEP / 2 : STEP;
+    const __mmask32 mirrored = how->keep_negative_z ? ~0U : 0;
+    const __m512i kept = all_of(how->kept, deep), others = all_of(how->others, deep);
+    for (; n > 0; n -= step, flags += step, s += BYTES) {
+        uint8_t few[BYTES];
+        const bool whole = n >= step;
+        const uint8_t *from = whole ? s : few;
+        uint8_t *to = whole ? flags : few;
+        if (!whole)
+            memcpy(few, s, (size_t) n * BYTES / (size_t) step);
+        const __m512i f =
+            flags_of(deep ? take16(from) : take_8(from), deep, mirrored, kept, others);
+        if (deep)
+            _mm_storeu_si128((void *) to, _mm512_cvtepi32_epi8(f));
+        else
+            _mm256_storeu_si256((void *) to, _mm512_cvtepi16_epi8(f));
+        if (!whole)
+            memcpy(flags, few, (size_t) n);
+    }
+}
+
+void ntp__validate_rgb_avx512(uint8_t *flags, const void *src, int32_t n, const ntp__validity *how)
+{
+    if (how->m > 255)
+        flags_rgb(flags, src, n, true, how);
+    else
+        flags_rgb(flags, src, n, false, how);
+}

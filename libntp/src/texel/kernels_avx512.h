@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * kernels_avx512.h - loops over packed RGB with AVX-512, which replace those of kernels.c
+ */
+#ifndef NTP_KERNELS_AVX512_H
+#define NTP_KERNELS_AVX512_H
+
+#include "texel/kernels.h"
+
+ntp__normalize_rgb_fn ntp__normalize_rgb8_avx512, ntp__normalize_rgb16_avx512;
+ntp__validate_rgb_fn ntp__validate_rgb_avx512;
+
+#endif
