@@ -137,14 +137,16 @@ static void check_texels_16(const ntp__kernels_table *level, uint64_t *seed)
 
 int main(int argc, char **argv)
 {
-    const bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
-    const ntp__kernels_table *level = ntp__kernels(avx2 ? NTP__CPU_AVX2 : 0);
+    const bool wide = argc > 1 && strcmp(argv[1], "avx512") == 0;
+    ntp__kernels_table level;
     uint64_t seed = 99;
-    if (level->validate_rgb == NULL) /* planes are as fast */
+    ntp__pick_kernels(&level, wide ? NTP__CPU_ALL : NTP__CPU_AVX2);
+    if (level.validate_rgb == NULL /* planes are as fast */ ||
+        (wide && !ntp__cpu_has_avx512(NTP__CPU_ALL)))
         return SKIPPED;
-    check_all_triplets(level, &seed);
-    check_limits_16(level, &seed);
-    check_touching_16(level, &seed);
-    check_texels_16(level, &seed);
+    check_all_triplets(&level, &seed);
+    check_limits_16(&level, &seed);
+    check_touching_16(&level, &seed);
+    check_texels_16(&level, &seed);
     return 0;
 }

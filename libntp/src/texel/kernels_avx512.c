@@ -12,6 +12,9 @@
 
 #include "texel/packed_avx512_tmpl.h"
 
+/* What is written once for two depths, also where the compiler saves code. */
+#define ALWAYS_INLINE inline __attribute__((always_inline))
+
 enum { STEP_BYTES = 48 };
 
 /* ------------------------------------------------------------------ over the length */
@@ -29,60 +32,62 @@ enum { STEP_BYTES = 48 };
  * level is sure if it is more than one unit from the next.
  */
 
-static inline __m512i of(double v, bool deep)
+static ALWAYS_INLINE __m512i of(double v, bool deep)
 {
     return deep ? _mm512_castpd_si512(_mm512_set1_pd(v))
                 : _mm512_castps_si512(_mm512_set1_ps((float) v));
 }
 
 /* a b + c */
-static inline __m512i fused(__m512i a, __m512i b, __m512i c, bool deep)
+static ALWAYS_INLINE __m512i fused(__m512i a, __m512i b, __m512i c, bool deep)
 {
     if (deep)
-        return _mm512_castpd_si512(_mm512_fmadd_pd(
-            _mm512_castsi512_pd(a), _mm512_castsi512_pd(b), _mm512_castsi512_pd(c)));
+        return _mm512_castpd_si512(_mm512_fmadd_pd(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b),
+                                                   _mm512_castsi512_pd(c)));
     return _mm512_castps_si512(
         _mm512_fmadd_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b), _mm512_castsi512_ps(c)));
 }
 
-static inline __m512i times(__m512i a, __m512i b, bool deep)
+static ALWAYS_INLINE __m512i times(__m512i a, __m512i b, bool deep)
 {
-    return deep ? _mm512_castpd_si512(_mm512_mul_pd(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b)))
-                : _mm512_castps_si512(_mm512_mul_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b)));
+    return deep
+               ? _mm512_castpd_si512(_mm512_mul_pd(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b)))
+               : _mm512_castps_si512(_mm512_mul_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b)));
 }
 
-static inline __m512i sum_of(__m512i a, __m512i b, bool deep)
+static ALWAYS_INLINE __m512i sum_of(__m512i a, __m512i b, bool deep)
 {
-    return deep ? _mm512_castpd_si512(_mm512_add_pd(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b)))
-                : _mm512_castps_si512(_mm512_add_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b)));
+    return deep
+               ? _mm512_castpd_si512(_mm512_add_pd(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b)))
+               : _mm512_castps_si512(_mm512_add_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b)));
 }
 
-static inline __m512i size_of(__m512i v, bool deep)
+static ALWAYS_INLINE __m512i size_of(__m512i v, bool deep)
 {
     return _mm512_and_si512(v, deep ? _mm512_set1_epi64(INT64_MAX) : _mm512_set1_epi32(INT32_MAX));
 }
 
-static inline uint32_t is_below(__m512i a, __m512i b, bool deep)
+static ALWAYS_INLINE uint32_t is_below(__m512i a, __m512i b, bool deep)
 {
     if (deep)
         return _mm512_cmp_pd_mask(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b), _CMP_LT_OQ);
     return _mm512_cmp_ps_mask(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b), _CMP_LT_OQ);
 }
 
-static inline __m512i either(uint32_t mask, __m512i if_set, __m512i if_not, bool deep)
+static ALWAYS_INLINE __m512i either(uint32_t mask, __m512i if_set, __m512i if_not, bool deep)
 {
     return deep ? _mm512_mask_mov_epi64(if_not, (__mmask8) mask, if_set)
                 : _mm512_mask_mov_epi32(if_not, (__mmask16) mask, if_set);
 }
 
-static inline __m512i inverse_root(__m512i v, bool deep)
+static ALWAYS_INLINE __m512i inverse_root(__m512i v, bool deep)
 {
     return deep ? _mm512_castpd_si512(_mm512_rsqrt14_pd(_mm512_castsi512_pd(v)))
                 : _mm512_castps_si512(_mm512_rsqrt14_ps(_mm512_castsi512_ps(v)));
 }
 
 /* Half the numerators k. */
-static inline __m512i halves_of(__m512i v, int k, bool deep)
+static ALWAYS_INLINE __m512i halves_of(__m512i v, int k, bool deep)
 {
     const double base = deep ? 0x1p36 : 0x1p15;
     const __m512i from = deep ? _mm512_cvtepi32_epi64(_mm512_castsi512_si256(
@@ -94,7 +99,7 @@ static inline __m512i halves_of(__m512i v, int k, bool deep)
 }
 
 /* The levels of sums, packed. */
-static inline __m512i packed_levels(__m512i r, __m512i g, __m512i b, bool deep)
+static ALWAYS_INLINE __m512i packed_levels(__m512i r, __m512i g, __m512i b, bool deep)
 {
     /* Bytes of red and of blue, and 64 + those of green. */
     static const _Alignas(64) uint8_t of_deep[64] = {
@@ -108,21 +113,23 @@ static inline __m512i packed_levels(__m512i r, __m512i g, __m512i b, bool deep)
     };
     const __m512i from = _mm512_load_si512(deep ? of_deep : of_8);
     return _mm512_mask_permutexvar_epi8(_mm512_permutex2var_epi8(r, from, g),
-                                        deep ? 0xc30c30c30c30 : 0x924924924924,
-                                        from, b);
+                                        deep ? 0xc30c30c30c30 : 0x924924924924, from, b);
 }
 
 /* Factors that make halves of numerators those of unit vectors.  1 for texels that are rounded already,
  * and 0 for corners of the cube, which so are in doubt. */
-static inline __m512i factors_of(const __m512i x[3], bool deep)
+static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], bool deep)
 {
     const double m = deep ? 65535 : 255;
-    const __m512i squares = fused(x[2], x[2], fused(x[1], x[1], times(x[0], x[0], deep), deep), deep);
-    const __m512i sizes = sum_of(sum_of(size_of(x[0], deep), size_of(x[1], deep), deep), x[2], deep);
+    const __m512i squares =
+        fused(x[2], x[2], fused(x[1], x[1], times(x[0], x[0], deep), deep), deep);
+    const __m512i sizes =
+        sum_of(sum_of(size_of(x[0], deep), size_of(x[1], deep), deep), x[2], deep);
     const __m512i off = size_of(sum_of(squares, of((2 - m * m) / 4, deep), deep), deep);
     const __m512i y = inverse_root(squares, deep), half = of(0.5, deep);
     const __m512i minus_e = fused(times(squares, y, deep), y, of(-1, deep), deep);
-    const __m512i by = deep ? fused(minus_e, of(0.375, deep), of(-0.5, deep), deep) : of(-0.5, deep);
+    const __m512i by =
+        deep ? fused(minus_e, of(0.375, deep), of(-0.5, deep), deep) : of(-0.5, deep);
     const __m512i scaled = times(y, of(m / 2, deep), deep);
     const __m512i factor = fused(times(scaled, minus_e, deep), by, scaled, deep);
     const uint32_t inside = is_below(squares, of(3 * m * m / 4, deep), deep);
@@ -130,8 +137,8 @@ static inline __m512i factors_of(const __m512i x[3], bool deep)
     return either(rounded, of(1, deep), either(inside, factor, _mm512_setzero_si512(), deep), deep);
 }
 
-static inline int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t n, int32_t *at,
-                                    uint64_t *changed, bool deep)
+static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t n, int32_t *at,
+                                           uint64_t *changed, bool deep)
 {
     const int32_t size = deep ? 6 : 3, texels = STEP_BYTES / size;
     const double unit = deep ? 0x1p-16 : 0x1p-15;
@@ -190,59 +197,61 @@ int32_t ntp__normalize_rgb16_avx512(void *dst, const void *src, int32_t n, int32
 /* The tests of texel/flags_tmpl.h, which says why they are right: of 32 texels of 8 bit, in 16 bits each, or
  * 16 of 16 bit in 32. */
 
-static inline __m512i all_of(int64_t v, bool deep)
+static ALWAYS_INLINE __m512i all_of(int64_t v, bool deep)
 {
     return deep ? _mm512_set1_epi32((int32_t) (uint32_t) v) : _mm512_set1_epi16((short) v);
 }
 
-static inline __m512i plus(__m512i v, __m512i w, bool deep)
+static ALWAYS_INLINE __m512i plus(__m512i v, __m512i w, bool deep)
 {
     return deep ? _mm512_add_epi32(v, w) : _mm512_add_epi16(v, w);
 }
 
-static inline __m512i minus(__m512i v, __m512i w, bool deep)
+static ALWAYS_INLINE __m512i minus(__m512i v, __m512i w, bool deep)
 {
     return deep ? _mm512_sub_epi32(v, w) : _mm512_sub_epi16(v, w);
 }
 
 /* v <= w */
-static inline __mmask32 up_to(__mmask32 these, __m512i v, __m512i w, bool deep)
+static ALWAYS_INLINE __mmask32 up_to(__mmask32 these, __m512i v, __m512i w, bool deep)
 {
     return deep ? _mm512_mask_cmple_epi32_mask((__mmask16) these, v, w)
                 : _mm512_mask_cmple_epi16_mask(these, v, w);
 }
 
-static inline __mmask32 equal(__mmask32 these, __m512i v, __m512i w, bool deep)
+static ALWAYS_INLINE __mmask32 equal(__mmask32 these, __m512i v, __m512i w, bool deep)
 {
     return deep ? _mm512_mask_cmpeq_epi32_mask((__mmask16) these, v, w)
                 : _mm512_mask_cmpeq_epi16_mask(these, v, w);
 }
 
-static inline __m512i with(__m512i f, __mmask32 these, int32_t flag, bool deep)
+static ALWAYS_INLINE __m512i with(__m512i f, __mmask32 these, int32_t flag, bool deep)
 {
     return deep ? _mm512_mask_or_epi32(f, (__mmask16) these, f, _mm512_set1_epi32(flag))
                 : _mm512_mask_add_epi16(f, these, f, _mm512_set1_epi16((short) flag));
 }
 
 /* u of all halves, with K and K - 1. */
-static inline __m512i folded(__m512i c, __m512i k, __m512i below, bool deep)
+static ALWAYS_INLINE __m512i folded(__m512i c, __m512i k, __m512i below, bool deep)
 {
     const __m512i x = _mm512_xor_si512(c, k), y = _mm512_xor_si512(c, below);
     return deep ? _mm512_min_epu16(x, y) : _mm512_min_epu8(x, y);
 }
 
-static inline texels take_8(const uint8_t *s)
+static ALWAYS_INLINE texels take_8(const uint8_t *s)
 {
     const __m512i v = _mm512_loadu_si512(s);
     const __m512i w = _mm512_zextsi256_si512(_mm256_loadu_si256((const void *) (s + 64)));
     const __m512i step = steps_of(0x06060606, 0x04030100);
-    return (texels) { _mm512_permutex2var_epi8(v, step, w), 
-                      _mm512_maskz_permutex2var_epi8(0x5555555555555555, v,
-                      _mm512_add_epi8(step, _mm512_set1_epi32(0x00020002)), w)};
+    return (texels) { _mm512_permutex2var_epi8(v, step, w),
+                      _mm512_maskz_permutex2var_epi8(
+                          0x5555555555555555, v,
+                          _mm512_add_epi8(step, _mm512_set1_epi32(0x00020002)), w) };
 }
 
 /* The flags of 96 bytes of texels, one to each. */
-static inline __m512i flags_of(texels c, bool deep, __mmask32 mirrored, __m512i kept, __m512i others)
+static ALWAYS_INLINE __m512i flags_of(texels c, bool deep, __mmask32 mirrored, __m512i kept,
+                                      __m512i others)
 {
     const int64_t k = deep ? 32768 : 128, pair = 1 + (deep ? 1 << 16 : 1 << 8);
     const __m512i u = folded(c.rg, all_of(k * pair, deep), all_of((k - 1) * pair, deep), deep);
@@ -277,8 +286,8 @@ static inline __m512i flags_of(texels c, bool deep, __mmask32 mirrored, __m512i 
     return with(f, equal(corner, c.rg, gray, deep), NTP_FLAG_UNUSED, deep);
 }
 
-static inline void flags_rgb(uint8_t *flags, const uint8_t *s, int32_t n, bool deep,
-                             const ntp__validity *how)
+static ALWAYS_INLINE void flags_rgb(uint8_t *flags, const uint8_t *s, int32_t n, bool deep,
+                                    const ntp__validity *how)
 {
     enum { BYTES = 96, STEP = 32 };
     const int32_t step = deep ? STEP / 2 : STEP;
