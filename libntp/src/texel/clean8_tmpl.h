@@ -75,16 +75,20 @@ static inline uint32_t negatives(__m256i e0, __m256i e1)
            (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(e1)) << 8;
 }
 
-/* The places of 16 pixels from i on that have a bit; returns how many.  Mostly none has. */
-static inline int32_t find_sixteen(int32_t *at, int32_t i, uint32_t bits)
+/* The places of 16 pixels from i on that have a bit; returns how many. */
+ONE_COPY static int32_t find_some(int32_t *at, int32_t i, uint32_t bits)
 {
     int32_t found = 0;
-    if (bits == 0)
-        return 0;
     UNROLLED
     for (int k = 0; k < 16; k += 4)
         found += find_four(at + found, i + k, bits >> k & 15);
     return found;
+}
+
+/* The same; mostly none has. */
+static inline int32_t find_sixteen(int32_t *at, int32_t i, uint32_t bits)
+{
+    return bits == 0 ? 0 : find_some(at, i, bits);
 }
 
 /* Puts the blues into 16 pixels with alpha.  Those that are to be done otherwise stay as they are: their pair
