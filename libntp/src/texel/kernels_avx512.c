@@ -192,6 +192,42 @@ int32_t ntp__normalize_rgb16_avx512(void *dst, const void *src, int32_t n, int32
     return normalize_rgb(dst, src, n, at, changed, true);
 }
 
+/* ------------------------------------------------------------------ derived blue */
+
+/* As blue_of of texel/blue_avx2_tmpl.h, of 16 bit. */
+static ALWAYS_INLINE __m512i blue_of(__m512i e, bool zzero)
+{
+    const __m512i t = root_of(e, true), one = _mm512_set1_epi32(1);
+    if (!zzero)
+        return _mm512_add_epi32(t, _mm512_set1_epi32(32768));
+    const __m512i d = _mm512_sub_epi32(e, _mm512_madd_epi16(t, t)), d2 = _mm512_add_epi32(d, d);
+    const __m512i t2 = _mm512_add_epi32(t, t), t3 = _mm512_add_epi32(t2, t);
+    const __mmask16 above1 = _mm512_cmpge_epi32_mask(_mm512_add_epi32(d2, one), t);
+    const __mmask16 above2 = _mm512_cmpge_epi32_mask(d2, t3);
+    const __m512i z = _mm512_mask_add_epi32(t2, above1, t2, one);
+    return _mm512_mask_add_epi32(z, above2, z, one);
+}
+
+int32_t ntp__derive_rgb16_avx512(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
+                                 int32_t *at, uint64_t *changed)
+{
+    int32_t found = 0, sum = 0;
+    for (int32_t i = 0; i < n; i += LANES_512) {
+        const texels t = take16((const uint8_t *) (src + 3 * i));
+        const __m512i e = rest_of(t.rg, true), blue = blue_of(e, zzero != 0);
+        const __mmask16 fits = _mm512_cmpge_epi32_mask(e, _mm512_setzero_si512());
+        const uint32_t left = fits ^ 0xffffU;
+        sum += __builtin_popcount(_mm512_mask_cmpneq_epi32_mask(fits, blue, t.b));
+        put16((uint8_t *) (dst + 3 * i), (texels) { t.rg, _mm512_mask_mov_epi32(t.b, fits, blue) });
+        /* At most n places are before, and as many texels are to come */
+        _mm512_storeu_si512(at + found,
+                            _mm512_maskz_compress_epi32((__mmask16) left, steps_of(1, i)));
+        found += __builtin_popcount(left);
+    }
+    *changed += (uint64_t) sum;
+    return found;
+}
+
 /* ------------------------------------------------------------------ flags */
 
 /* The tests of texel/flags_tmpl.h, which says why they are right: of 32 texels of 8 bit, in 16 bits each, or
