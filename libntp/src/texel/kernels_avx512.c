@@ -86,13 +86,18 @@ static ALWAYS_INLINE __m512i inverse_root(__m512i v, bool deep)
                 : _mm512_castps_si512(_mm512_rsqrt14_ps(_mm512_castsi512_ps(v)));
 }
 
-/* Half the numerators k. */
-static ALWAYS_INLINE __m512i halves_of(__m512i v, int k, bool deep)
+/* Of samples k of a step the bytes, where halves_of has them. */
+static ALWAYS_INLINE __m512i places_of(int k, bool deep)
+{
+    return deep ? _mm512_cvtepi32_epi64(_mm512_castsi512_si256(
+                      steps_of(0x06060000, 0x01000000 + 0x02020000 * k)))
+                : steps_of(0x0300, 0x0100 * k);
+}
+
+/* Half the numerators of samples from these places. */
+static ALWAYS_INLINE __m512i halves_of(__m512i v, __m512i from, bool deep)
 {
     const double base = deep ? 0x1p36 : 0x1p15;
-    const __m512i from = deep ? _mm512_cvtepi32_epi64(_mm512_castsi512_si256(
-                                    steps_of(0x06060000, 0x01000000 + 0x02020000 * k)))
-                              : steps_of(0x0300, 0x0100 * k);
     const __m512i level = _mm512_mask_permutexvar_epi8(
         of(base, deep), deep ? 0x0c0c0c0c0c0c0c0c : 0x2222222222222222, from, v);
     return sum_of(level, of(-base - (deep ? 32767.5 : 127.5), deep), deep);
@@ -143,11 +148,13 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
     const int32_t size = deep ? 6 : 3, texels = STEP_BYTES / size;
     const double unit = deep ? 0x1p-16 : 0x1p-15;
     const __m512i base = of((deep ? 0x1p36 + 32768 : 0x1p8 + 128) + unit, deep);
+    const __m512i red = places_of(0, deep), green = places_of(1, deep), blue = places_of(2, deep);
     int32_t found = 0;
     uint64_t sum = 0;
     for (int32_t i = 0; i < n; i += texels, s += STEP_BYTES, d += STEP_BYTES) {
         const __m512i v = load_48(s);
-        __m512i x[3] = { halves_of(v, 0, deep), halves_of(v, 1, deep), halves_of(v, 2, deep) };
+        __m512i x[3] = { halves_of(v, red, deep), halves_of(v, green, deep),
+                         halves_of(v, blue, deep) };
         x[2] = size_of(x[2], deep);
         const __m512i factor = factors_of(x, deep);
         for (int k = 0; k < 3; k++) {

@@ -20,10 +20,11 @@ typedef struct texels {
     __m512i rg, b;
 } texels;
 
-/* i * by + first, for i from 0 to 15. */
+/* i * by + first, for i from 0 to 15.  Of bytes, as compilers do not make a constant of each result. */
 static inline __m512i steps_of(int32_t by, int32_t first)
 {
-    const __m512i i = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    const __m512i i = _mm512_cvtepu8_epi32(
+        _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
     return _mm512_add_epi32(_mm512_mullo_epi32(i, _mm512_set1_epi32(by)), _mm512_set1_epi32(first));
 }
 
