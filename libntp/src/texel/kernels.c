@@ -249,22 +249,29 @@ static inline uint64_t clean_rgba8_by_table(uint8_t *dst, const uint8_t *src, si
 
 #ifdef __AVX2__
 /* Whole steps of pixels with alpha: derives blues, and does the pixels that need more by the table, after all
- * others. */
+ * others.  *left is how many these were, in the steps before: while many are looked up, a processor does
+ * not fetch the next ones by itself. */
 static uint64_t derive_rgba8(uint8_t *dst, const uint8_t *src, int32_t n, const uint32_t *table,
-                             uint32_t touch_unused)
+                             uint32_t touch_unused, int32_t *left)
 {
     const uint32_t opaque = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : ~0U;
+    enum { NEXT = 4 * MOST /* bytes */, MANY = MOST / 16 };
+    const bool fetch = *left > MANY;
     int32_t at[MOST + LANES], found = 0;
     uint64_t changed = 0;
-    for (int32_t i = 0; i < n; i += NTP__KERNEL_STEP)
+    for (int32_t i = 0; i < n; i += NTP__KERNEL_STEP) {
+        if (fetch)
+            prefetch(dst + 4 * i + NEXT, src + 4 * i + NEXT);
         found +=
             find_sixteen(at + found, i, put_blues_rgba(dst + 4 * i, src + 4 * i, opaque, &changed));
+    }
     for (int32_t k = 0; k < found; k++) {
         uint8_t *const p = dst + 4 * at[k];
         const uint32_t v = load32le(p), t = clean_one_rgba8(v, table, 0, touch_unused);
         changed += t != v;
         store32le(p, t);
     }
+    *left = found;
     return changed;
 }
 #endif
@@ -274,9 +281,10 @@ static uint64_t clean_rgba8(uint8_t *dst, const uint8_t *src, size_t n, const ui
 {
     uint64_t changed = 0;
 #ifdef __AVX2__
+    int32_t left = 0;
     while (blue != NULL && kept == 0 && n >= NTP__KERNEL_STEP) {
         const size_t next = n < MOST ? n / NTP__KERNEL_STEP * NTP__KERNEL_STEP : MOST;
-        changed += derive_rgba8(dst, src, (int32_t) next, table, touch_unused);
+        changed += derive_rgba8(dst, src, (int32_t) next, table, touch_unused, &left);
         n -= next;
         src += 4 * next;
         dst += 4 * next;
