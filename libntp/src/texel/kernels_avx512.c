@@ -74,10 +74,15 @@ static ALWAYS_INLINE uint32_t is_below(__m512i a, __m512i b, bool deep)
     return _mm512_cmp_ps_mask(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b), _CMP_LT_OQ);
 }
 
-static ALWAYS_INLINE __m512i either(uint32_t mask, __m512i if_set, __m512i if_not, bool deep)
+/* a b + c, or 0 */
+static ALWAYS_INLINE __m512i fused_where(uint32_t mask, __m512i a, __m512i b, __m512i c, bool deep)
 {
-    return deep ? _mm512_mask_mov_epi64(if_not, (__mmask8) mask, if_set)
-                : _mm512_mask_mov_epi32(if_not, (__mmask16) mask, if_set);
+    if (deep)
+        return _mm512_castpd_si512(_mm512_maskz_fmadd_pd((__mmask8) mask, _mm512_castsi512_pd(a),
+                                                         _mm512_castsi512_pd(b),
+                                                         _mm512_castsi512_pd(c)));
+    return _mm512_castps_si512(_mm512_maskz_fmadd_ps(
+        (__mmask16) mask, _mm512_castsi512_ps(a), _mm512_castsi512_ps(b), _mm512_castsi512_ps(c)));
 }
 
 static ALWAYS_INLINE __m512i inverse_root(__m512i v, bool deep)
@@ -89,8 +94,8 @@ static ALWAYS_INLINE __m512i inverse_root(__m512i v, bool deep)
 /* Of samples k of a step the bytes, where halves_of has them. */
 static ALWAYS_INLINE __m512i places_of(int k, bool deep)
 {
-    return deep ? _mm512_cvtepi32_epi64(_mm512_castsi512_si256(
-                      steps_of(0x06060000, 0x01000000 + 0x02020000 * k)))
+    return deep ? _mm512_cvtepi32_epi64(
+                      _mm512_castsi512_si256(steps_of(0x06060000, 0x01000000 + 0x02020000 * k)))
                 : steps_of(0x0300, 0x0100 * k);
 }
 
@@ -136,10 +141,11 @@ static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], bool deep)
     const __m512i by =
         deep ? fused(minus_e, of(0.375, deep), of(-0.5, deep), deep) : of(-0.5, deep);
     const __m512i scaled = times(y, of(m / 2, deep), deep);
-    const __m512i factor = fused(times(scaled, minus_e, deep), by, scaled, deep);
     const uint32_t inside = is_below(squares, of(3 * m * m / 4, deep), deep);
     const uint32_t rounded = is_below(off, sum_of(sizes, half, deep), deep);
-    return either(rounded, of(1, deep), either(inside, factor, _mm512_setzero_si512(), deep), deep);
+    const __m512i factor = fused_where(inside, times(scaled, minus_e, deep), by, scaled, deep);
+    return deep ? _mm512_mask_mov_epi64(factor, (__mmask8) rounded, of(1, deep))
+                : _mm512_mask_mov_epi32(factor, (__mmask16) rounded, of(1, deep));
 }
 
 static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t n, int32_t *at,

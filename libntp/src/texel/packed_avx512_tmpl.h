@@ -23,8 +23,8 @@ typedef struct texels {
 /* i * by + first, for i from 0 to 15.  Of bytes, as compilers do not make a constant of each result. */
 static inline __m512i steps_of(int32_t by, int32_t first)
 {
-    const __m512i i = _mm512_cvtepu8_epi32(
-        _mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
+    const __m512i i =
+        _mm512_cvtepu8_epi32(_mm_setr_epi8(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15));
     return _mm512_add_epi32(_mm512_mullo_epi32(i, _mm512_set1_epi32(by)), _mm512_set1_epi32(first));
 }
 
@@ -70,14 +70,18 @@ static inline void put8(uint8_t *d, texels t)
 static inline void put16(uint8_t *d, texels t)
 {
     /* 32 and more: of blue */
-    static const _Alignas(64) uint16_t from[64] = {
+    static const uint8_t from[64] = {
         0,  1,  32, 2,  3,  34, 4,  5,  36, 6,  7,  38, 8,  9,  40, 10,
         11, 42, 12, 13, 44, 14, 15, 46, 16, 17, 48, 18, 19, 50, 20, 21,
         52, 22, 23, 54, 24, 25, 56, 26, 27, 58, 28, 29, 60, 30, 31, 62,
     };
-    _mm512_storeu_si512(d, _mm512_permutex2var_epi16(t.rg, _mm512_load_si512(from), t.b));
-    _mm256_storeu_si256((void *) (d + 64), _mm512_castsi512_si256(_mm512_permutex2var_epi16(
-                                               t.rg, _mm512_load_si512(from + 32), t.b)));
+    __m512i v[2];
+    for (int k = 0; k < 2; k++) {
+        const __m256i bytes = _mm256_loadu_si256((const void *) (from + 32 * k));
+        v[k] = _mm512_permutex2var_epi16(t.rg, _mm512_cvtepu8_epi16(bytes), t.b);
+    }
+    _mm512_storeu_si512(d, v[0]);
+    _mm256_storeu_si256((void *) (d + 64), _mm512_castsi512_si256(v[1]));
 }
 
 enum { REST_8 = (255 * 255 - 5) / 4, REST_16 = 1073709055 /* (65535^2 - 5) / 4 */ };
