@@ -53,7 +53,7 @@ quick_tests="tests/test_levels.py tests/test_inspect.py tests/test_files_table.p
     tests/cli/test_written_files.py"
 pytest_quick() { pytest_of build -n "$jobs" --dist loadgroup $quick_tests; }
 
-c_file() { # c_file FILE: the C tests that are made of it, by the names that meson has for them (x, x_avx2)
+c_file() { # c_file FILE: the C tests that are made of it, by the names that meson has for them (x, x_avx2, x_avx512)
     [ -f "$1" ] || die "there is no $1"
     name=$(basename "$1" .c)
     name=${name#test_}

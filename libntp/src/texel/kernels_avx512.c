@@ -30,6 +30,9 @@ enum { STEP_BYTES = 48 };
  * 2.5 times 2^-24.  Of less than 2^22 units that is 0.75 at most, and the sum is rounded by half of one.  Of
  * doubles the third term is left out, which is less than 2^-40, and all is less than 2^31 units.  So a
  * level is sure if it is more than one unit from the next.
+ *
+ * The limits of rounded texels are those of texel/normalize_tmpl.h: |4 S + 2 - M^2| is less than twice the
+ * sum of all |2x| and 1.
  */
 
 static ALWAYS_INLINE __m512i of(double v, bool deep)
@@ -232,7 +235,7 @@ int32_t ntp__derive_rgb16_avx512(uint16_t *dst, const uint16_t *src, int32_t n, 
         const uint32_t left = fits ^ 0xffffU;
         sum += __builtin_popcount(_mm512_mask_cmpneq_epi32_mask(fits, blue, t.b));
         put16((uint8_t *) (dst + 3 * i), (texels) { t.rg, _mm512_mask_mov_epi32(t.b, fits, blue) });
-        /* At most n places are before, and as many texels are to come */
+        /* No more than i places are known yet: there is room for as many as texels are looked at. */
         _mm512_storeu_si512(at + found,
                             _mm512_maskz_compress_epi32((__mmask16) left, steps_of(1, i)));
         found += __builtin_popcount(left);
@@ -261,7 +264,7 @@ static ALWAYS_INLINE __m512i minus(__m512i v, __m512i w, bool deep)
     return deep ? _mm512_sub_epi32(v, w) : _mm512_sub_epi16(v, w);
 }
 
-/* v <= w */
+/* v <= w, of these texels */
 static ALWAYS_INLINE __mmask32 up_to(__mmask32 these, __m512i v, __m512i w, bool deep)
 {
     return deep ? _mm512_mask_cmple_epi32_mask((__mmask16) these, v, w)
@@ -274,6 +277,7 @@ static ALWAYS_INLINE __mmask32 equal(__mmask32 these, __m512i v, __m512i w, bool
                 : _mm512_mask_cmpeq_epi16_mask(these, v, w);
 }
 
+/* f with the flag in these texels, which do not have it. */
 static ALWAYS_INLINE __m512i with(__m512i f, __mmask32 these, int32_t flag, bool deep)
 {
     return deep ? _mm512_mask_or_epi32(f, (__mmask16) these, f, _mm512_set1_epi32(flag))
@@ -287,7 +291,8 @@ static ALWAYS_INLINE __m512i folded(__m512i c, __m512i k, __m512i below, bool de
     return deep ? _mm512_min_epu16(x, y) : _mm512_min_epu8(x, y);
 }
 
-static ALWAYS_INLINE texels take_8(const uint8_t *s)
+/* 32 texels of 8 bit: r | g << 8, and b. */
+static ALWAYS_INLINE texels take_words(const uint8_t *s)
 {
     const __m512i v = _mm512_loadu_si512(s);
     const __m512i w = _mm512_zextsi256_si512(_mm256_loadu_si256((const void *) (s + 64)));
@@ -350,7 +355,7 @@ static ALWAYS_INLINE void flags_rgb(uint8_t *flags, const uint8_t *s, int32_t n,
         if (!whole)
             memcpy(few, s, (size_t) n * BYTES / (size_t) step);
         const __m512i f =
-            flags_of(deep ? take16(from) : take_8(from), deep, mirrored, kept, others);
+            flags_of(deep ? take16(from) : take_words(from), deep, mirrored, kept, others);
         if (deep)
             _mm_storeu_si128((void *) to, _mm512_cvtepi32_epi8(f));
         else
