@@ -11,9 +11,23 @@
 #include "texel/kernels.h"
 #include "texel/level.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { SKIPPED = 77 };
+
+static bool allowed_512; /* AVX-512 */
+
+bool ntp__cpu_has_avx512(int mask)
+{
+#ifdef __x86_64__
+    return allowed_512 && ntp__cpu_has_avx2(mask) && __builtin_cpu_supports("avx512f") &&
+           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vbmi");
+#else
+    (void) mask;
+    return false;
+#endif
+}
 
 /* Sums of texels by three ways: close ones or exact ones counted, and each judged. */
 typedef struct close_check {
@@ -79,11 +93,85 @@ static void add_exact_texels(close_check *k, int32_t n)
     ntp__add_block(&k->exact, &others, NULL, all, 65535, NTP_ENCODING_STANDARD);
 }
 
+#ifdef NTP_HAVE_AVX512
+static int compare_colors(const void *a, const void *b)
+{
+    return memcmp(a, b, 3 * sizeof(uint16_t));
+}
+
+/* Those of the texels, sorted, that are odd, or neighbors in an encoding; returns how many. */
+static int32_t find_others(uint16_t (*others)[3], const uint16_t *rgb, int32_t n)
+{
+    static uint32_t ones[NTP__BLOCK];
+    static ntp__judged j;
+    static int32_t c[3][NTP__BLOCK];
+    int32_t count = 0;
+    for (int32_t i = 0; i < n; i++) {
+        ones[i] = 1;
+        for (int32_t e = 0; e < 3; e++)
+            c[e][i] = rgb[3 * i + e];
+    }
+    ntp__kernels(0)->judge_block(&j, c[0], c[1], c[2], ones, n, 65535, 0);
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t color[3] = { c[0][i], c[1][i], c[2][i] };
+        if (is_odd(color) || ((j.fit[0].key[i] | j.fit[1].key[i]) & NTP_FLAG_NEIGHBOR) != 0)
+            memcpy(others[count++], rgb + (ptrdiff_t) 3 * i, sizeof others[0]);
+    }
+    qsort(others, (size_t) count, sizeof others[0], compare_colors);
+    return count;
+}
+
+/* The same straight from packed pixels, between guard pages; the block becomes what is left. */
+static int32_t add_packed(close_check *k, int32_t n)
+{
+    enum { GROUP = 16 };
+    static uint16_t want[NTP__BLOCK][3], left[NTP__BLOCK][3];
+    ntp__survey survey;
+    guarded g = guarded_alloc((size_t) n * 6, n % (2 * GROUP) == 0);
+    uint16_t *const rgb = g.data;
+    for (int32_t i = 0; i < 3 * n; i++)
+        rgb[i] = (uint16_t) k->block.c[i % 3][i / 3];
+    const int32_t count = ntp__add_far_rgb_avx512(&k->some, &k->far, &survey, &k->block, rgb, n);
+    for (int32_t e = 0; e < 3; e++) {
+        uint32_t least = 65535, greatest = 0, sum = 0;
+        for (int32_t i = 0; i < n; i++) {
+            least = rgb[3 * i + e] < least ? rgb[3 * i + e] : least;
+            greatest = rgb[3 * i + e] > greatest ? rgb[3 * i + e] : greatest;
+            sum += rgb[3 * i + e];
+        }
+        CHECK(survey.least[e] == least && survey.greatest[e] == greatest && survey.sum[e] == sum);
+    }
+    /* all others, and up to 15 more */
+    const int32_t others = find_others(want, rgb, n);
+    CHECK(count >= others && count < others + GROUP && (count == n || (n - count) % GROUP == 0));
+    for (int32_t i = 0; i < count; i++) {
+        for (int32_t e = 0; e < 3; e++)
+            left[i][e] = (uint16_t) k->block.c[e][i];
+    }
+    qsort(left, (size_t) count, sizeof left[0], compare_colors);
+    for (int32_t i = 0, at = 0; i < others; i++, at++) {
+        while (at < count && memcmp(left[at], want[i], sizeof want[0]) != 0)
+            at++;
+        CHECK(at < count);
+    }
+    guarded_free(&g);
+    return count;
+}
+#else
+static int32_t add_packed(close_check *k, int32_t n)
+{
+    (void) k;
+    return n;
+}
+#endif
+
 static void end_close_block(close_check *k, int32_t n)
 {
     if (k->level->count_exact != NULL)
         add_exact_texels(k, n);
     ntp__add_block(&k->each, &k->block, NULL, n, 65535, NTP_ENCODING_STANDARD);
+    if (n % 16 == 0 && n > 0 && ntp__cpu_has_avx512(NTP__CPU_ALL))
+        n = add_packed(k, n);
     k->far.skip = 0; /* look at all */
     ntp__add_close_block(&k->some, &k->close, &k->far, &k->block, n);
     k->n = 0;
@@ -321,13 +409,16 @@ static void check_far(uint64_t *seed)
 }
 int main(int argc, char **argv)
 {
-    const bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
-    if (avx2 && !ntp__cpu_has_avx2(NTP__CPU_ALL))
+    allowed_512 = argc > 1 && strcmp(argv[1], "avx512") == 0;
+    const bool avx2 = allowed_512 || (argc > 1 && strcmp(argv[1], "avx2") == 0);
+    if ((avx2 && !ntp__cpu_has_avx2(NTP__CPU_ALL)) ||
+        (allowed_512 && !ntp__cpu_has_avx512(NTP__CPU_ALL)))
         return SKIPPED;
     const ntp__kernels_table *level = ntp__kernels(avx2 ? NTP__CPU_AVX2 : 0);
     uint64_t seed = 2026;
-    printf("level %s\n", level->name);
-    check_close(level, &seed);
+    printf("level %s\n", allowed_512 ? "avx512" : level->name);
+    if (!allowed_512)
+        check_close(level, &seed);
     if (avx2)
         check_far(&seed);
     return 0;

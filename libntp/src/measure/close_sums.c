@@ -2,6 +2,7 @@
 /*
  * close_sums.c - adds 16-bit texels that are close to exact, as most are; close.h says which
  */
+#include "base/cpu.h"
 #include "texel/kernels.h"
 #include "measure/far_texels.h"
 #include "measure/judged_sums.h"
@@ -15,6 +16,17 @@ static void add_extremes(ntp__fit_sums *fit, uint32_t least, uint32_t greatest, 
     ntp__merge_max(&fit->length_inverted_min, ~least);
     ntp__merge_max(&fit->levels_off_max, levels);
 }
+
+#ifdef NTP_HAVE_AVX2
+static int32_t add_far(ntp__sums *sums, ntp__far_counts *far, ntp__block *block, int32_t n)
+{
+#  ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        return ntp__add_far_avx512(sums, far, block, n);
+#  endif
+    return ntp__add_far_avx2(sums, far, block, n);
+}
+#endif
 
 void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_counts *far,
                           ntp__block *block, int32_t n)
@@ -32,7 +44,7 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_co
      * looked for first. */
     const bool first = far->first != 0;
     if (first)
-        n = ntp__add_far_avx2(sums, far, block, n);
+        n = add_far(sums, far, block, n);
     if (n == 0)
         return;
 #endif
@@ -51,7 +63,7 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_co
     }
 #ifdef NTP_HAVE_AVX2
     if (!first)
-        found.left = ntp__add_far_avx2(sums, far, block, found.left);
+        found.left = add_far(sums, far, block, found.left);
     far->first = found.texels == 0;
 #else
     (void) far;

@@ -30,6 +30,13 @@
 #  define ONE_COPY
 #endif
 
+/* What small code would call, with vectors in memory. */
+#ifdef __GNUC__
+#  define INLINE static inline __attribute__((always_inline))
+#else
+#  define INLINE static inline
+#endif
+
 /* Before a loop of a few steps over registers. */
 #ifdef __GNUC__
 #  define UNROLLED _Pragma("GCC unroll 8")
@@ -51,15 +58,15 @@ enum {
     LENGTH_BIN = 9 /* 2^9 of the length */
 };
 
-enum { STEP = 128, ROOM = STEP + 8, OTHERS = STEP, ALL = 2 * STEP + 8 };
+enum { STEP = NTP__FAR_STEP, ROOM = STEP + 8, OTHERS = STEP, ALL = 2 * STEP + 8 };
 
 /* What is found out about up to STEP texels, in planes: long loops would leave room for few steps in
  * flight. */
 typedef struct far_texels {
-    int32_t key[STEP], harm[STEP];                    /* which kind, times ONE_HARM */
-    int32_t levels[STEP], levels_zz[STEP];            /* words of the sums */
-    int32_t length[STEP], length_zz[STEP], off[STEP]; /* the former two in bins */
-    int32_t blue[STEP], angle[STEP];                  /* to the clean vector */
+    ntp__far_places places;
+    int32_t key[STEP], off[STEP];    /* lengths from 1 */
+    int32_t harm[STEP];              /* which kind, times ONE_HARM */
+    int32_t blue[STEP], angle[STEP]; /* to the clean vector */
     /* Vectors and other z for their x and y, which make angles: those of harm; from OTHERS on those of
      * texels below the horizon, and their derived blues. */
     int32_t xy[ALL], z[ALL], w[ALL], turn[ALL];
@@ -75,17 +82,17 @@ typedef struct far_lengths {
     __m256i sum, least, greatest, squares, of_padding;
 } far_lengths;
 
-static inline __m256i eight(int32_t v)
+INLINE __m256i eight(int32_t v)
 {
     return _mm256_set1_epi32(v);
 }
 
-static inline __m256i marked(__m256i mask, int32_t bits)
+INLINE __m256i marked(__m256i mask, int32_t bits)
 {
     return _mm256_and_si256(mask, eight(bits));
 }
 
-static inline int mask_of(__m256i v)
+INLINE int mask_of(__m256i v)
 {
     return _mm256_movemask_ps(_mm256_castsi256_ps(v));
 }
@@ -132,7 +139,7 @@ static const uint8_t FRONT[16][16] = {
 };
 
 /* Appends the lanes of the mask to lists that are n long; returns how long they are then. */
-static inline int32_t append(int32_t *const to[4], const __m256i from[4], int32_t n, int mask)
+INLINE int32_t append(int32_t *const to[4], const __m256i from[4], int32_t n, int mask)
 {
     UNROLLED
     for (int half = 0; half < 2; half++, mask >>= 4) {
@@ -211,7 +218,7 @@ static inline __m256i key_of(const far_lanes *v)
     return _mm256_or_si256(key, marked(_mm256_cmpgt_epi32(v->h, v->e), NTP__KEY_ZZ_LONG));
 }
 
-static inline __m256i add_squares(__m256i sums, __m256i v)
+INLINE __m256i add_squares(__m256i sums, __m256i v)
 {
     const __m256i odd = _mm256_srli_epi64(v, 32);
     return _mm256_add_epi64(sums,
@@ -235,32 +242,47 @@ static void end_lengths(ntp__fit_sums *fit, const far_lengths *s)
     ntp__merge_max(&fit->length_inverted_min, greatest_of(_mm256_xor_si256(s->least, eight(-1))));
 }
 
-/* Puts lengths into bins, and makes their distances from 1.  Returns the sum of those of padding. */
-ONE_COPY static uint64_t add_lengths(ntp__fit_sums *fit, int32_t *bins, int32_t *off,
-                                     const far_texels *f, int32_t doubled, int32_t less)
+/* Notes bins of lengths, and sums these and their distances from 1.  Returns the sum of those of padding. */
+ONE_COPY static uint64_t add_lengths(ntp__fit_sums *fit, far_texels *f, int32_t doubled,
+                                     int32_t less)
 {
     const __m256i zero = _mm256_setzero_si256();
     far_lengths s = { zero, eight(INT32_MAX), zero, zero, zero };
     __m256i padded = zero;
     float rest[STEP], over[STEP];
-    lengths_of(bins, rest, over, f->xy, f->blue, f->n, doubled, less);
+    lengths_of(f->off, rest, over, f->xy, f->blue, f->n, doubled, less);
     for (int32_t i = 0; i < f->n; i += 8) {
-        const __m256i length = load_eight(bins + i), key = load_eight(f->key + i);
+        const __m256i length = load_eight(f->off + i), key = load_eight(f->key + i);
         const __m256i padding =
             _mm256_cmpgt_epi32(key, eight(NTP__PADDING_BIN * NTP__KEY_STEEP - 1));
         const __m256i from_1 = _mm256_abs_epi32(_mm256_sub_epi32(length, eight(NTP__LENGTH_ONE)));
         const __m256i of_padding = _mm256_and_si256(from_1, padding);
+        const __m256i shape = _mm256_slli_epi32(load_eight((int32_t *) f->places.shape + i), 8);
         s.sum = _mm256_add_epi32(s.sum, length);
         s.least = _mm256_min_epi32(s.least, length);
         s.greatest = _mm256_max_epi32(s.greatest, length);
         s.squares = add_squares(s.squares, from_1);
         s.of_padding = add_squares(s.of_padding, of_padding);
         padded = _mm256_add_epi32(padded, of_padding);
-        store_eight(bins + i, _mm256_srli_epi32(length, LENGTH_BIN));
-        store_eight(off + i, from_1);
+        store_eight(f->off + i, from_1);
+        store_eight(f->places.shape + i,
+                    _mm256_or_si256(shape, _mm256_srli_epi32(length, LENGTH_BIN)));
     }
     end_lengths(fit, &s);
     return sum_of(padded);
+}
+
+/* Adds distances of lengths from 1 by steepness: of every second texel apart, as sums wait for
+ * each other. */
+static void add_errors(ntp__fit_sums *fit, const far_texels *f)
+{
+    uint32_t errors[2][NTP__ALL_BINS] = { { 0 } };
+    for (int32_t i = 0; i < f->n; i += 2) {
+        errors[0][(uint32_t) f->key[i] / NTP__KEY_STEEP] += (uint32_t) f->off[i];
+        errors[1][(uint32_t) f->key[i + 1] / NTP__KEY_STEEP] += (uint32_t) f->off[i + 1];
+    }
+    for (int32_t k = 0; k < NTP__ALL_BINS; k++)
+        fit->length_error[k] += errors[0][k] + errors[1][k];
 }
 
 static inline void note_harm(far_texels *f, const far_lanes *v)
@@ -290,6 +312,13 @@ static inline void note_lists(far_texels *f, const far_lanes *v, __m256i r, __m2
     f->too_long = append(to_longer, longer, f->too_long, longs);
 }
 
+/* Two words for each of eight texels. */
+INLINE void put_two(uint64_t *to, __m256i v, __m256i w)
+{
+    store_eight(to, _mm256_unpacklo_epi32(v, w));
+    store_eight(to + 4, _mm256_unpackhi_epi32(v, w));
+}
+
 /* The blues that are derived, and how far blue is from them; without these where pairs are too long. */
 static inline void note_levels(far_texels *f, __m256i most[2], far_lanes *v, __m256i b)
 {
@@ -300,10 +329,9 @@ static inline void note_levels(far_texels *f, __m256i most[2], far_lanes *v, __m
     store_eight(f->blue + f->n, b);
     most[0] = _mm256_max_epi32(most[0], _mm256_andnot_si256(v->longs, off));
     most[1] = _mm256_max_epi32(most[1], _mm256_andnot_si256(v->longs, off_zz));
-    store_eight(f->levels + f->n,
-                _mm256_add_epi32(_mm256_blendv_epi8(off, none, v->longs), eight(LEVELS)));
-    store_eight(f->levels_zz + f->n,
-                _mm256_add_epi32(_mm256_blendv_epi8(off_zz, none, v->longs), eight(LEVELS_ZZ)));
+    put_two(f->places.words + f->n,
+            _mm256_add_epi32(_mm256_blendv_epi8(off, none, v->longs), eight(LEVELS)),
+            _mm256_add_epi32(_mm256_blendv_epi8(off_zz, none, v->longs), eight(LEVELS_ZZ)));
 }
 
 /* Texels from `from` on, whole lanes, of which those that are left to others go to `left` and on.
@@ -324,7 +352,9 @@ static int32_t judge_some(ntp__sums *sums, far_texels *f, ntp__block *block, int
             continue;
         }
         note_levels(f, most, &v, b);
-        store_eight(f->key + f->n, key_of(&v));
+        const __m256i key = key_of(&v);
+        store_eight(f->key + f->n, key);
+        store_eight(f->places.shape + f->n, key);
         note_harm(f, &v);
         note_lists(f, &v, r, g, b);
         f->n += 8;
@@ -332,6 +362,13 @@ static int32_t judge_some(ntp__sums *sums, far_texels *f, ntp__block *block, int
     for (int k = 0; k < 2; k++)
         ntp__merge_max(&sums->fit[k].levels_off_max, greatest_of(most[k]));
     return left;
+}
+
+void ntp__long_products_avx2(double *s2, double *d, const int32_t *r, const int32_t *g,
+                             const int32_t *b, int32_t n)
+{
+    int32_t x[ROOM], y[ROOM];
+    long_products(s2, d, x, y, r, g, b, n);
 }
 
 /* All angles. */
@@ -347,7 +384,7 @@ static void turn_vectors(far_texels *f)
     flat_products(f->s2, f->d, f->xy, f->z, f->w, f->n);
     flat_products(f->s2 + OTHERS, f->d + OTHERS, f->xy + OTHERS, f->z + OTHERS, f->w + OTHERS,
                   f->negative);
-    long_products(f->s2 + longs, f->d + longs, f->c[0], f->c[1], f->c[2], f->too_long);
+    ntp__long_products_avx2(f->s2 + longs, f->d + longs, f->c[0], f->c[1], f->c[2], f->too_long);
     turns_of(f->turn, f->u, f->base, f->s2, f->d, f->n);
     turns_of(f->turn + OTHERS, f->u, f->base, f->s2 + OTHERS, f->d + OTHERS,
              f->negative + f->too_long);
@@ -366,7 +403,7 @@ typedef struct angles_of_kind {
     __m256i sum, greatest, texels;
 } angles_of_kind;
 
-static inline void add_kind(angles_of_kind *k, __m256i angle, __m256i mask)
+INLINE void add_kind(angles_of_kind *k, __m256i angle, __m256i mask)
 {
     const __m256i its = _mm256_and_si256(angle, mask);
     k->sum = _mm256_add_epi32(k->sum, its);
@@ -384,7 +421,7 @@ ONE_COPY static void end_kind(uint64_t *texels, uint64_t *sum, uint64_t *max,
 }
 
 /* v / d of eight numbers below 2^28, where `by` is 2^shift / d, rounded up: as compilers have it. */
-static inline __m256i divided(__m256i v, uint32_t by, int shift)
+INLINE __m256i divided(__m256i v, uint32_t by, int shift)
 {
     const __m256i factor = _mm256_set1_epi32((int32_t) by);
     const __m256i even = _mm256_srli_epi64(_mm256_mul_epu32(v, factor), shift);
@@ -396,7 +433,7 @@ static inline __m256i divided(__m256i v, uint32_t by, int shift)
  * eight lanes. */
 static void sum_angles(ntp__sums *sums, far_texels *f)
 {
-    angles_of_kind all, kind[NTP__ALL_HARM];
+    angles_of_kind all, kind[NTP__HARM_KINDS];
     memset(&all, 0, sizeof all);
     memset(kind, 0, sizeof kind);
     for (int32_t i = 0; i < f->n; i += 8) {
@@ -407,64 +444,32 @@ static void sum_angles(ntp__sums *sums, far_texels *f)
         for (int k = 0; k < NTP__HARM_KINDS; k++)
             add_kind(&kind[k], first, _mm256_cmpeq_epi32(its, eight(k * ONE_HARM)));
         /* Padding is seldom. */
-        if (mask_of(_mm256_cmpgt_epi32(its, eight((NTP__HARM_KINDS - 1) * ONE_HARM))) != 0) {
-            UNROLLED
-            for (int k = NTP__HARM_KINDS; k < NTP__ALL_HARM; k++)
-                add_kind(&kind[k], first, _mm256_cmpeq_epi32(its, eight(k * ONE_HARM)));
-        }
+        ntp__add_padding_harm(
+            sums, f->harm + i, f->turn + i,
+            (uint32_t) mask_of(_mm256_cmpgt_epi32(its, eight((NTP__HARM_KINDS - 1) * ONE_HARM))));
         const __m256i bin = divided(_mm256_add_epi32(angle, eight(500)), 274877907, 38);
         const __m256i bin_harm = divided(_mm256_add_epi32(first, eight(9999)), 3518437209, 45);
         const __m256i base = _mm256_add_epi32(its, eight(HARM));
-        store_eight(f->angle + i, _mm256_add_epi32(bin, eight(ANGLES)));
-        store_eight(f->turn + i, _mm256_add_epi32(bin_harm, base));
+        put_two(f->places.words + STEP + i, _mm256_add_epi32(bin, eight(ANGLES)),
+                _mm256_add_epi32(bin_harm, base));
     }
     end_kind(&sums->angles.texels, &sums->angles.sum, &sums->angles.max, &all);
-    for (int k = 0; k < NTP__ALL_HARM; k++) {
+    for (int k = 0; k < NTP__HARM_KINDS; k++) {
         ntp__harm_sums *const harm = &sums->harm[k];
         end_kind(&harm->texels, &harm->sum, &harm->max, &kind[k]);
-    }
-}
-
-static inline void count_in(ntp__sums *sums, uint8_t *few, int32_t word)
-{
-    if (++few[word] == 0)
-        ((uint32_t *) (void *) sums)[word] += 256;
-}
-
-static inline void count_one(ntp__sums *sums, uint8_t *few, const far_texels *f, int32_t i,
-                             uint32_t *keys, uint32_t *lengths, uint32_t *lengths_zz)
-{
-    const uint32_t key = (uint32_t) f->key[i];
-    keys[key]++;
-    lengths[f->length[i]]++;
-    lengths_zz[f->length_zz[i]]++;
-    sums->fit[0].length_error[key / NTP__KEY_STEEP] += (uint32_t) f->off[i];
-    count_in(sums, few, f->levels[i]);
-    count_in(sums, few, f->levels_zz[i]);
-    count_in(sums, few, f->angle[i]);
-    count_in(sums, few, f->turn[i]);
-}
-
-static void count_texels(ntp__sums *sums, ntp__far_counts *far, const far_texels *f)
-{
-    ntp__fit_sums *const std = &sums->fit[0], *const zz = &sums->fit[1];
-    for (int32_t i = 0; i < f->n; i += 2) {
-        count_one(sums, far->few, f, i, far->keys[0], std->lengths, zz->lengths);
-        count_one(sums, far->few, f, i + 1, far->keys[1], std->other_lengths, zz->other_lengths);
     }
 }
 
 static void add_judged(ntp__sums *sums, ntp__far_counts *far, far_texels *f)
 {
     ntp__fit_sums *const std = &sums->fit[0], *const zz = &sums->fit[1];
-    add_lengths(std, f->length, f->off, f, -1, M);
-    /* these distances are not needed each */
-    zz->length_error[NTP__PADDING_BIN] += add_lengths(zz, f->length_zz, f->turn, f, 0, 0);
+    add_lengths(std, f, -1, M);
+    add_errors(std, f);
+    zz->length_error[NTP__PADDING_BIN] += add_lengths(zz, f, 0, 0);
     turn_vectors(f);
     sum_angles(sums, f);
     sums->texels += (uint32_t) f->n;
-    far->used = 1;
-    count_texels(sums, far, f);
+    ntp__count_places(sums, far, &f->places, f->n);
 }
 
 int32_t ntp__add_far_avx2(ntp__sums *sums, ntp__far_counts *far, ntp__block *block, int32_t n)

@@ -59,6 +59,17 @@ static void clear_range(uint8_t *few, size_t n)
     }
 }
 
+/* Returns how many there are of this key. */
+static uint32_t add_lengths(uint32_t *lengths, const ntp__far_counts *far, uint32_t key)
+{
+    const uint8_t *const shapes = far->shapes + key * NTP__LENGTH_BINS;
+    uint32_t count = 0;
+    add_range(lengths, shapes, NTP__LENGTH_BINS);
+    for (int32_t i = 0; i < NTP__LENGTH_BINS; i++)
+        count += shapes[i];
+    return count;
+}
+
 static uint32_t flag_if(uint32_t key, uint32_t bit, uint32_t flag)
 {
     return key & bit ? flag : 0;
@@ -74,7 +85,7 @@ void ntp__merge_far(ntp__sums *into, const ntp__far_counts *far, const ntp__sums
     for (int32_t k = 0; k < READ; k++)
         add_range(words + ranges[k].first, far->few + ranges[k].first, ranges[k].n);
     for (uint32_t i = 0; i < NTP__KEYS; i++) {
-        const uint32_t count = far->keys[0][i] + far->keys[1][i];
+        const uint32_t count = far->keys[i] + add_lengths(into->fit[0].lengths, far, i);
         const uint32_t bin = i / NTP__KEY_STEEP * 256;
         const uint32_t common = flag_if(i, NTP__KEY_FAR, NTP__FAR) |
                                 flag_if(i, NTP__KEY_TOO_LONG, NTP_FLAG_XY_TOO_LONG);

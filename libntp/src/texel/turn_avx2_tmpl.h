@@ -91,16 +91,16 @@ static inline void pull_four(int32_t a[4], int32_t c[4], __m128i ax, __m128i ay,
 }
 
 /* The same of n vectors whose x and y are too long, and those with the pulled pairs and their derived
- * blues.  The signs of x and y do not matter. */
-static inline void long_products(double *s2, double *d, const int32_t *r, const int32_t *g,
-                                 const int32_t *b, int32_t n)
+ * blues.  The signs of x and y do not matter.  `a` and `c` are working memory. */
+static inline void long_products(double *s2, double *d, int32_t *a, int32_t *c, const int32_t *r,
+                                 const int32_t *g, const int32_t *b, int32_t n)
 {
+    for (int32_t i = 0; i < n; i += 4)
+        pull_four(a + i, c + i, size_of(r + i), size_of(g + i), r + i, g + i);
     for (int32_t i = 0; i < n; i += 4) {
-        int32_t a[4], c[4];
         const __m128i ax = size_of(r + i), ay = size_of(g + i), one = _mm_set1_epi32(1);
-        pull_four(a, c, ax, ay, r + i, g + i);
-        const __m128i u = load_four(a), u1 = _mm_sub_epi32(u, one), blue = load_four(b + i);
-        const __m128i v = load_four(c), v1 = _mm_sub_epi32(v, one);
+        const __m128i u = load_four(a + i), u1 = _mm_sub_epi32(u, one), blue = load_four(b + i);
+        const __m128i v = load_four(c + i), v1 = _mm_sub_epi32(v, one);
         const __m128i squares = _mm_add_epi32(_mm_mullo_epi32(u, u1), _mm_mullo_epi32(v, v1));
         const __m128i e = _mm_sub_epi32(_mm_set1_epi32(REST_16), squares);
         const __m128i root = _mm256_castsi256_si128(root_of(_mm256_castsi128_si256(e), true));
