@@ -154,13 +154,13 @@ static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], bool deep)
 static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t n, int32_t *at,
                                            uint64_t *changed, bool deep)
 {
-    const int32_t size = deep ? 6 : 3, texels = STEP_BYTES / size;
+    const int32_t size = deep ? 6 : 3, at_once = STEP_BYTES / size;
     const double unit = deep ? 0x1p-16 : 0x1p-15;
     const __m512i base = of((deep ? 0x1p36 + 32768 : 0x1p8 + 128) + unit, deep);
     const __m512i red = places_of(0, deep), green = places_of(1, deep), blue = places_of(2, deep);
     int32_t found = 0;
     uint64_t sum = 0;
-    for (int32_t i = 0; i < n; i += texels, s += STEP_BYTES, d += STEP_BYTES) {
+    for (int32_t i = 0; i < n; i += at_once, s += STEP_BYTES, d += STEP_BYTES) {
         const __m512i v = load_48(s);
         __m512i x[3] = { halves_of(v, red, deep), halves_of(v, green, deep),
                          halves_of(v, blue, deep) };
