@@ -460,8 +460,8 @@ static void check_packed_rgb(ntp_type type, uint64_t *seed)
 
 int main(int argc, char **argv)
 {
-    bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
-    if (avx2 && !ntp__cpu_has_avx2(NTP__CPU_ALL))
+    const bool wide = argc > 1 && strcmp(argv[1], "avx512") == 0, avx2 = argc > 1;
+    if ((avx2 && !ntp__cpu_has_avx2(NTP__CPU_ALL)) || (wide && !ntp__cpu_has_avx512(NTP__CPU_ALL)))
         return SKIPPED;
     static uint32_t table[TABLE];
     static uint8_t blues[TABLE];
@@ -476,8 +476,8 @@ int main(int argc, char **argv)
     base = ntp__kernels(0);
     check_derive(base);
     check_float_roots();
-    const ntp__kernels_table *level = ntp__kernels(avx2 ? NTP__CPU_AVX2 : 0);
-    printf("level %s\n", level->name);
+    ntp__kernels_table picked, *const level = &picked;
+    ntp__pick_kernels(&picked, wide ? NTP__CPU_ALL : avx2 ? NTP__CPU_AVX2 : 0);
     check_derive(level);
     for (int32_t m = 255; m <= 65535; m *= 257) {
         check_directions(level, m, false, &seed);

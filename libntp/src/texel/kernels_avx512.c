@@ -372,3 +372,109 @@ void ntp__validate_rgb_avx512(uint8_t *flags, const void *src, int32_t n, const 
     else
         flags_rgb(flags, src, n, false, how);
 }
+
+/* ------------------------------------------------------------------ derived blue of 8 bit */
+
+/* As clean8_tmpl.h, which says why: 32 texels a step, first asked whether their blues are the derived ones
+ * where those of the last step were.  Pairs that are too long are done by the table, after all others. */
+
+enum { STEP_8 = 32 /* texels */, LOW_8 = 64 /* bytes */, AT_ONCE = 512 /* texels */ };
+
+/* The derived blues of words as bytes. */
+static ALWAYS_INLINE __m512i blues_of(__m512i e)
+{
+    const __m512i low = root_of(_mm512_cvtepu16_epi32(_mm512_castsi512_si256(e)), false);
+    const __m512i high = root_of(_mm512_cvtepu16_epi32(_mm512_extracti64x4_epi64(e, 1)), false);
+    const __m512i t = _mm512_inserti32x4(_mm512_castsi128_si512(_mm512_cvtepi32_epi8(low)),
+                                         _mm512_cvtepi32_epi8(high), 1);
+    return _mm512_xor_si512(t, _mm512_set1_epi8(-128));
+}
+
+/* Pixels of which some bytes are blues. */
+static ALWAYS_INLINE __m512i with_blues(__m512i v, __mmask64 these, int first, __m512i blues)
+{
+    static const _Alignas(64) uint8_t thirds[64] = {
+        0,  0,  0,  1,  1,  1,  2,  2,  2,  3,  3,  3,  4,  4,  4,  5,  5,  5,  6,  6,  6,  7,
+        7,  7,  8,  8,  8,  9,  9,  9,  10, 10, 10, 11, 11, 11, 12, 12, 12, 13, 13, 13, 14, 14,
+        14, 15, 15, 15, 16, 16, 16, 17, 17, 17, 18, 18, 18, 19, 19, 19, 20, 20, 20, 21,
+    };
+    const __m512i from = _mm512_add_epi8(_mm512_load_si512(thirds), _mm512_set1_epi8((char) first));
+    return _mm512_mask_permutexvar_epi8(v, these, from, blues);
+}
+
+/* At most AT_ONCE texels in whole steps.  Returns how many pairs are too long; their places are in `at`. */
+static ALWAYS_INLINE int32_t derive_8(uint8_t *d, const uint8_t *s, int32_t n, int32_t *at,
+                                      uint64_t *changed)
+{
+    const __mmask64 low = 0x4924924924924924, high = 0x92492492;
+    int32_t found = 0;
+    bool same = true;
+    for (int32_t i = 0; i < n; i += STEP_8, s += 3 * STEP_8, d += 3 * STEP_8) {
+        const texels t = take_words(s);
+        __m512i v = _mm512_loadu_si512(s);
+        __m512i w = _mm512_zextsi256_si512(_mm256_loadu_si256((const void *) (s + LOW_8)));
+        const __m512i p = folded(t.rg, _mm512_set1_epi8(-128), _mm512_set1_epi8(127), false);
+        const __m512i e =
+            _mm512_sub_epi16(_mm512_set1_epi16(REST_8),
+                             _mm512_maddubs_epi16(_mm512_add_epi8(p, _mm512_set1_epi8(1)), p));
+        const __mmask32 longs = _mm512_movepi16_mask(e);
+        if (same) {
+            const __m512i z = _mm512_xor_si512(t.b, _mm512_set1_epi16(128));
+            const __m512i off = _mm512_sub_epi16(e, _mm512_mullo_epi16(z, z));
+            same = (longs | _mm512_cmpgt_epu16_mask(off, _mm512_add_epi16(z, z))) == 0;
+        }
+        if (!same) {
+            __m512i blues = blues_of(e);
+            if (longs != 0) {
+                const __m512i was = _mm512_castsi256_si512(_mm512_cvtepi16_epi8(t.b));
+                blues = _mm512_mask_mov_epi8(blues, longs, was);
+                for (int k = 0; k < 2; k++) {
+                    const __mmask16 these = (__mmask16) (longs >> 16 * k);
+                    _mm512_storeu_si512(
+                        at + found, _mm512_maskz_compress_epi32(these, steps_of(1, i + 16 * k)));
+                    found += __builtin_popcount(these);
+                }
+            }
+            const __m512i v_now = with_blues(v, low, 0, blues);
+            const __m512i w_now = with_blues(w, high, LOW_8 / 3, blues);
+            const uint64_t others = _mm512_cmpneq_epi8_mask(v_now, v);
+            const uint64_t more = _mm512_cmpneq_epi8_mask(w_now, w);
+            *changed +=
+                (uint64_t) __builtin_popcountll(others) + (uint64_t) __builtin_popcountll(more);
+            same = (others | more | longs) == 0;
+            v = v_now;
+            w = w_now;
+        }
+        _mm512_storeu_si512(d, v);
+        _mm256_storeu_si256((void *) (d + LOW_8), _mm512_castsi512_si256(w));
+    }
+    return found;
+}
+
+uint64_t ntp__clean_rgb8_avx512(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                                const uint8_t *blue, uint32_t kept, uint32_t touch_unused)
+{
+    ntp__clean8_fn *const clean = ntp__kernels(NTP__CPU_AVX2)->clean_rgb8;
+    int32_t at[AT_ONCE + LANES_512];
+    uint64_t changed = 0;
+    size_t i = 0;
+    while (blue != NULL && kept == 0 && n - i >= STEP_8) {
+        const size_t left = (n - i) / STEP_8 * STEP_8, next = left < AT_ONCE ? left : AT_ONCE;
+        const int32_t found = derive_8(dst + 3 * i, src + 3 * i, (int32_t) next, at, &changed);
+        for (int32_t k = 0; k < found; k++) {
+            uint8_t *const p = dst + 3 * (i + (size_t) at[k]);
+            uint16_t pair;
+            memcpy(&pair, p, 2);
+            const uint32_t to = table[pair];
+            if (to >> 24) {
+                changed += clean(p, p, 1, table, blue, 0, touch_unused);
+                continue;
+            }
+            changed += to != (pair | (uint32_t) p[2] << 16);
+            memcpy(p, &to, 2);
+            p[2] = (uint8_t) (to >> 16);
+        }
+        i += next;
+    }
+    return changed + clean(dst + 3 * i, src + 3 * i, n - i, table, blue, kept, touch_unused);
+}

@@ -17,6 +17,8 @@ void ntp__pick_kernels(ntp__kernels_table *kernels, int mask)
 #ifdef NTP_HAVE_AVX512
     if (!ntp__cpu_has_avx512(mask))
         return;
+    kernels->clean_rgb8 = ntp__clean_rgb8_avx512;
+    kernels->clean_rgb8_blindly = ntp__clean_rgb8_avx512;
     kernels->derive_rgb16 = ntp__derive_rgb16_avx512;
     kernels->validate_rgb = ntp__validate_rgb_avx512;
     kernels->normalize_rgb8 = ntp__normalize_rgb8_avx512;
