@@ -5,7 +5,8 @@
  * This room walks over texels once and keeps counts and sums in a tally; facts follow from them.
  * Colors of 8 bit are only counted on the way, and judged when the facts are asked for.  Other
  * colors are judged at once and added to `wide`.
- *   measure.c        the pass over the texels; packed8_tmpl.h is its part for packed 8 bit
+ *   measure.c        the pass over the texels; packed8_tmpl.h and packed16_tmpl.h are its
+ *                    parts for packed RGB
  *   color_counts.h   how often each color of 8 bit occurs: the cells
  *   judged_sums.h    what judged texels add up to: verdicts, lengths, angles
  *   dense_row_avx2.h the same for rows of cells of which many hold counts

@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * packed16_tmpl.h - counts packed RGB of 16 bit; included by measure.c, whose counts it uses
+ *
+ * Exact texels are counted first, a block at a time, unless the blocks before had none.  The others of all
+ * rows fill blocks of their own.
+ */
+
+/* Those that are not exact wait here for others, whatever row these are of. */
+typedef struct waiting {
+    ntp__block block;
+    int32_t n;
+    int32_t noise; /* blocks to come in which exact ones are not looked for */
+} waiting;
+
+enum { NOISE = 7 };
+
+static void end_waiting(ntp_tally *t, waiting *w)
+{
+    ntp__survey survey;
+    if (w->n == 0)
+        return;
+    ntp__kernels(NTP__CPU_ALL)->survey(&survey, w->block.c[0], w->block.c[1], w->block.c[2], w->n);
+    if (survey.odd != 0) {
+        count_each(t, &w->block, w->n, 65535);
+    } else {
+        t->is_wide = 1;
+        count_wide(t, &w->block, w->n);
+    }
+    w->n = 0;
+}
+
+static void wait(ntp_tally *t, waiting *w, const uint16_t *p)
+{
+    if (w->n == NTP__BLOCK)
+        end_waiting(t, w);
+    for (int32_t k = 0; k < 3; k++)
+        w->block.c[k][w->n] = p[k];
+    w->n++;
+}
+
+/* Standard, as most textures of 16 bit are. */
+static void count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+{
+    ntp__exact_block found;
+    const int32_t done = ntp__kernels(NTP__CPU_ALL)->count_exact(&found, &t->close, p, n);
+    add_planes(t, &found.survey);
+    ntp__add_exact(&t->wide, &found);
+    t->is_wide |= found.texels > 0;
+    if (found.texels == 0)
+        w->noise = NOISE;
+    for (int32_t i = 0; i < done - found.texels; i++)
+        wait(t, w, p + 3 * found.left[i]);
+    for (int32_t i = done; i < n; i++) {
+        add_color(t, p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+        wait(t, w, p + 3 * i);
+    }
+}
+
+#ifdef NTP_HAVE_AVX512
+/* Where nearly all texels are far from exact these are counted straight from the pixels. */
+static bool count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+{
+    enum { AT_ONCE = 16 };
+    ntp__survey survey;
+    ntp__block left;
+    if (t->far.first == 0 || t->far.skip > 0 || n % AT_ONCE != 0 ||
+        !ntp__cpu_has_avx512(NTP__CPU_ALL))
+        return false;
+    const int32_t others = ntp__add_far_rgb_avx512(&t->wide, &t->far, &survey, &left, p, n);
+    add_planes(t, &survey);
+    t->is_wide |= others < n;
+    if (others > n / 4)
+        w->noise = 0; /* exact ones may have come */
+    if (w->n + others > NTP__BLOCK)
+        end_waiting(t, w);
+    for (int32_t k = 0; k < 3; k++)
+        memcpy(w->block.c[k] + w->n, left.c[k], (size_t) others * sizeof left.c[k][0]);
+    w->n += others;
+    return true;
+}
+#else
+static bool count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+{
+    (void) t, (void) w, (void) p, (void) n;
+    return false;
+}
+#endif
