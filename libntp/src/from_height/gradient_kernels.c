@@ -121,7 +121,8 @@ enum { UNIT_BITS = 15, UNITS = 1 << UNIT_BITS };
  * passed as `error`. */
 static ALWAYS_INLINE int32_t near_level(int32_t units, int32_t error, int32_t step)
 {
-    return ((units + error) & (step - 1)) < 2 * error;
+    /* Lanes beyond the texels hold any numbers, whose sum may be too great. */
+    return (int32_t) (((uint32_t) units + (uint32_t) error) & (uint32_t) (step - 1)) < 2 * error;
 }
 
 /* -1 for x < 0, else 0.  A comparison of doubles that gives integers is not vectorized. */

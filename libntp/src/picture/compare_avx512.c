@@ -21,12 +21,6 @@
 #include "picture/small_angles.h"
 #include "texel/packed_avx512_tmpl.h"
 
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#else
-#  define ONE_COPY
-#endif
-
 #define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5)
 
 enum { STEP = LANES_512 };
@@ -126,8 +120,8 @@ static inline void add_angles(pairs *p, __m512d low, __m512d high, uint32_t thes
     p->some += left != 0;
 }
 
-/* Puts those that are left side by side; s2 and d may be those of `out`.  Stores of nothing, all to one place, are slow: these are not
- * with those of the bins. */
+/* Puts those that are left side by side; s2 and d may be those of `out`.  Stores of nothing, all to one
+ * place, are slow: these are not with those of the bins. */
 ONE_COPY static void gather(ntp__compared *out, pairs *p, const double *s2, const double *d)
 {
     int32_t n = 0;

@@ -8,8 +8,9 @@
 #include "repair/convert.h"
 
 /*
- * Converts n texels from s to d, of levels of packed RGB, without a flip.  Returns how many of n are done, a multiple of 16: it stops before texels that have to be pulled or kept,
- * and before the last ones.  Adds to *negative how many negative z became |z|.
+ * Converts n texels from s to d, of levels of packed RGB, without a flip.  Returns how many are done, a
+ * multiple of 16: it stops before texels that have to be pulled or kept, and before the last ones.  Adds to
+ * *negative how many negative z became |z|.
  */
 typedef int32_t ntp__convert_rgb_fn(const ntp__conversion *j, uint8_t *d, const uint8_t *s,
                                     int32_t n, uint64_t *negative);

@@ -75,15 +75,6 @@ static inline __m512i size_of_z(__m512i b, __m512i up, int16_t most)
     return _mm512_ternarylogic_epi32(b, up, _mm512_set1_epi16(most), ALIKE_AND);
 }
 
-/* e of pairs of bytes.  p is the greater one of a = r - 128 and -1 - a. */
-static inline __m512i rest_words(__m512i pairs)
-{
-    const __m512i p = _mm512_max_epi8(_mm512_xor_si512(pairs, _mm512_set1_epi8(-128)),
-                                      _mm512_xor_si512(pairs, _mm512_set1_epi8(127)));
-    return _mm512_sub_epi16(_mm512_set1_epi16(REST_8),
-                            _mm512_maddubs_epi16(_mm512_add_epi8(p, _mm512_set1_epi8(1)), p));
-}
-
 /* As blue_of: 2t, 2t + 1 or 2t + 2, given d = e - t^2; where it is not exact, |Z| = 2t + 1.
  * 2d < t - 1 is d < floor(t / 2), and 2d < 3t is d < 2t - floor(t / 2). */
 static inline __m512i to_size(__m512i t, __m512i d, __mmask32 exact)

@@ -413,10 +413,7 @@ static ALWAYS_INLINE int32_t derive_8(uint8_t *d, const uint8_t *s, int32_t n, i
         const texels t = take_words(s);
         __m512i v = _mm512_loadu_si512(s);
         __m512i w = _mm512_zextsi256_si512(_mm256_loadu_si256((const void *) (s + LOW_8)));
-        const __m512i p = folded(t.rg, _mm512_set1_epi8(-128), _mm512_set1_epi8(127), false);
-        const __m512i e =
-            _mm512_sub_epi16(_mm512_set1_epi16(REST_8),
-                             _mm512_maddubs_epi16(_mm512_add_epi8(p, _mm512_set1_epi8(1)), p));
+        const __m512i e = rest_words(t.rg);
         const __mmask32 longs = _mm512_movepi16_mask(e);
         if (same) {
             const __m512i z = _mm512_xor_si512(t.b, _mm512_set1_epi16(128));

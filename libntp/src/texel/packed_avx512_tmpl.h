@@ -13,6 +13,13 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* One copy for all calls: it would be copied into each loop. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define ONE_COPY __attribute__((noinline, noclone))
+#else
+#  define ONE_COPY
+#endif
+
 enum { LANES_512 = 16 /* texels */ };
 
 /* Sixteen texels: r | g << 16, and b. */
@@ -92,6 +99,15 @@ static inline __m512i rest_of(__m512i rg, bool deep)
     const __m512i a = _mm512_sub_epi16(rg, _mm512_set1_epi16((short) (deep ? -32768 : 128)));
     const __m512i c = _mm512_sub_epi16(_mm512_set1_epi16(deep ? 32767 : 127), rg);
     return _mm512_add_epi32(_mm512_set1_epi32(deep ? REST_16 : REST_8), _mm512_madd_epi16(a, c));
+}
+
+/* The same of 32 pairs of bytes, as words.  p is the greater one of a = r - 128 and -1 - a. */
+static inline __m512i rest_words(__m512i pairs)
+{
+    const __m512i p = _mm512_max_epi8(_mm512_xor_si512(pairs, _mm512_set1_epi8(-128)),
+                                      _mm512_xor_si512(pairs, _mm512_set1_epi8(127)));
+    return _mm512_sub_epi16(_mm512_set1_epi16(REST_8),
+                            _mm512_maddubs_epi16(_mm512_add_epi8(p, _mm512_set1_epi8(1)), p));
 }
 
 /* floor(sqrt(e)), any number where e is negative. */

@@ -13,13 +13,6 @@
 #include "texel/lengths_avx512_tmpl.h"
 #include "texel/packed_avx512_tmpl.h"
 
-/* One copy for all calls: it would be copied into each loop. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#else
-#  define ONE_COPY
-#endif
-
 ONE_COPY static uint64_t sum_of(const __m512i *v)
 {
     const __m512i odd = _mm512_srli_epi64(*v, 32),
