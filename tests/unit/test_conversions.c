@@ -8,25 +8,13 @@
  */
 #include "guarded.h"
 #include "without_avx2.h"
+#include "without_avx512.h"
 #include "libntp.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { WIDEST = 540, SETS = 3 /* of instructions */, LONG_ROW = 1 << 15, SKIPPED = 77 };
-
-static bool allowed_512; /* AVX-512 */
-
-bool ntp__cpu_has_avx512(int mask)
-{
-#ifdef __x86_64__
-    return allowed_512 && ntp__cpu_has_avx2(mask) && __builtin_cpu_supports("avx512f") &&
-           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vbmi");
-#else
-    (void) mask;
-    return false;
-#endif
-}
 
 typedef struct conversion {
     ntp_encoding from, to;

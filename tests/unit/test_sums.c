@@ -4,6 +4,7 @@
  */
 #include "guarded.h"
 #include "odd_texel.h"
+#include "without_avx512.h"
 #include "base/view.h"
 #include "measure/far_texels.h"
 #include "measure/judged_sums.h"
@@ -15,19 +16,6 @@
 #include <string.h>
 
 enum { SKIPPED = 77 };
-
-static bool allowed_512; /* AVX-512 */
-
-bool ntp__cpu_has_avx512(int mask)
-{
-#ifdef __x86_64__
-    return allowed_512 && ntp__cpu_has_avx2(mask) && __builtin_cpu_supports("avx512f") &&
-           __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vbmi");
-#else
-    (void) mask;
-    return false;
-#endif
-}
 
 /* Sums of texels by three ways: close ones or exact ones counted, and each judged. */
 typedef struct close_check {

@@ -13,7 +13,7 @@
  *     Z-zero: floor((u - 1)^2/4) <= e_in and e_out < floor((u^2 + 2u + 2)/4).
  * With v = floor(u/2) and h = floor(u^2/4) = v(u - v) these are h - v and h + u - v.
  */
-#include "measure/far_texels.h"
+#include "measure/far_words_tmpl.h"
 
 #include "base/lanes_avx2.h"
 #include "texel/blue_avx2_tmpl.h"
@@ -36,27 +36,6 @@
 #else
 #  define INLINE static inline
 #endif
-
-/* Before a loop of a few steps over registers. */
-#ifdef __GNUC__
-#  define UNROLLED _Pragma("GCC unroll 8")
-#else
-#  define UNROLLED
-#endif
-
-enum {
-    M = 65535,
-    K = 32768,
-/* Where counts are in ntp__sums. */
-#define WORD(member) (int32_t) (offsetof(ntp__sums, member) / sizeof(uint32_t))
-    LEVELS = WORD(fit[0].levels_off),
-    LEVELS_ZZ = WORD(fit[1].levels_off),
-    ANGLES = WORD(angles.bins),
-    HARM = WORD(harm[0].bins),
-#undef WORD
-    ONE_HARM = sizeof(ntp__harm_sums) / sizeof(uint32_t),
-    LENGTH_BIN = 9 /* 2^9 of the length */
-};
 
 enum { STEP = NTP__FAR_STEP, ROOM = STEP + 8, OTHERS = STEP, ALL = 2 * STEP + 8 };
 

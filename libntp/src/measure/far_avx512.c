@@ -9,7 +9,7 @@
  * p(p + 1) = q(q + 1) = -q(-1 - q).  Both factors fit into words, so pmaddwd adds up those of red and green.
  * h = half(u - half), with half = floor(u/2), is -half(half - u) for the same reason.
  */
-#include "measure/far_texels.h"
+#include "measure/far_words_tmpl.h"
 
 #include "texel/lengths_avx512_tmpl.h"
 #include "texel/packed_avx512_tmpl.h"
@@ -18,27 +18,6 @@
 
 #include <stddef.h>
 #include <string.h>
-
-/* Before a loop of a few steps over registers. */
-#ifdef __GNUC__
-#  define UNROLLED _Pragma("GCC unroll 8")
-#else
-#  define UNROLLED
-#endif
-
-enum {
-    M = 65535,
-    K = 32768,
-/* Where counts are in ntp__sums. */
-#define WORD(member) (int32_t) (offsetof(ntp__sums, member) / sizeof(uint32_t))
-    LEVELS = WORD(fit[0].levels_off),
-    LEVELS_ZZ = WORD(fit[1].levels_off),
-    ANGLES = WORD(angles.bins),
-    HARM = WORD(harm[0].bins),
-#undef WORD
-    ONE_HARM = sizeof(ntp__harm_sums) / sizeof(uint32_t),
-    LENGTH_BIN = 9 /* 2^9 of the length */
-};
 
 enum { STEP = NTP__FAR_STEP, OTHERS = STEP, ALL = 2 * STEP + LANES_512 };
 
