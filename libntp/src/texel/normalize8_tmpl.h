@@ -9,7 +9,7 @@
  */
 #ifdef __AVX2__
 
-enum { HALF_UNITS = 255 << 15 /* M/2 */, UNITS_OFF = 2 };
+enum { HALF_UNITS = 255 << 15 /* M/2 */, UNITS_OFF = 2, GROUP_8 = 16, MOST_8 = 256 };
 
 /* Words c of even and odd places, as c + 1/2. */
 static inline void to_floats(__m256 to[2], __m256i words)
@@ -49,10 +49,15 @@ static inline __m256i sum_of_products(__m256i p)
     return _mm256_maddubs_epi16(_mm256_sub_epi8(p, _mm256_set1_epi8(-1)), p);
 }
 
-/* Sixteen pixels, blue mirrored.  Those of the result stay as they are: in doubt, or red and green of
- * 0 or 255, as those of black and white.  A bit in both bytes of each; `same` counts what is not
- * changed, less than 0. */
-static inline uint32_t normalize_group(uint8_t *dst, const uint8_t *src, __m256i *same)
+/* Sixteen pixels: their levels, which of them are rounded, and what makes numerators those of unit
+ * vectors, in units.  All of a row are looked at before quotients are taken: of a chain that has a root
+ * and what follows, few would be in flight. */
+typedef struct group8 {
+    __m256i rg, b, rounded;
+    __m256 factor[2];
+} group8;
+
+static inline group8 look_8(const uint8_t *src)
 {
     const __m256i low = load_two(src, src + 24), high = load_two(src + 8, src + 32);
     const __m256i rg =
@@ -61,22 +66,33 @@ static inline uint32_t normalize_group(uint8_t *dst, const uint8_t *src, __m256i
     const __m256i b =
         _mm256_or_si256(SHUFFLE(low, 2, N, 5, N, 8, N, 11, N, 14, N, N, N, N, N, N, N),
                         SHUFFLE(high, N, N, N, N, N, N, N, N, N, N, 9, N, 12, N, 15, N));
-    const __m256i middle = _mm256_set1_epi16(128);
-    const __m256i pq = sizes(rg, _mm256_set1_epi8(-128)), s = sizes(b, middle);
+    const __m256i pq = sizes(rg, _mm256_set1_epi8(-128)), s = sizes(b, _mm256_set1_epi16(128));
     const __m256i sum = _mm256_add_epi16(sum_of_products(pq), sum_of_products(s));
     /* as in normalize_tmpl.h, where this is off + 1, and this ks is 3 less: -ks < off <= ks - 3 */
     const __m256i off = _mm256_abs_epi16(_mm256_add_epi16(sum, _mm256_set1_epi16(1 - 128 * 127)));
     const __m256i ks = _mm256_add_epi16(_mm256_maddubs_epi16(_mm256_set1_epi8(1), pq), s);
-    const __m256i rounded = _mm256_cmpgt_epi16(_mm256_add_epi16(ks, _mm256_set1_epi16(2)), off);
-    __m256 factor[2];
-    to_floats(factor, sum);
+    group8 g = { .rg = rg,
+                 .b = b,
+                 .rounded = _mm256_cmpgt_epi16(_mm256_add_epi16(ks, _mm256_set1_epi16(2)), off) };
+    to_floats(g.factor, sum);
     for (int k = 0; k < 2; k++)
-        factor[k] = _mm256_div_ps(_mm256_set1_ps(HALF_UNITS),
-                                  _mm256_sqrt_ps(_mm256_add_ps(factor[k], _mm256_set1_ps(0.25F))));
+        g.factor[k] =
+            _mm256_div_ps(_mm256_set1_ps(HALF_UNITS),
+                          _mm256_sqrt_ps(_mm256_add_ps(g.factor[k], _mm256_set1_ps(0.25F))));
+    return g;
+}
+
+/* Blue mirrored.  Those of the result stay as they are: in doubt, or red and green of 0 or 255, as those
+ * of black and white.  A bit in both bytes of each; `same` counts what is not changed, less than 0. */
+static inline uint32_t normalize_group(uint8_t *dst, const group8 *g, __m256i *same)
+{
+    const __m256i rg = g->rg, b = g->b, rounded = g->rounded;
+    const __m256i middle = _mm256_set1_epi16(128);
+    const __m256i pq = sizes(rg, _mm256_set1_epi8(-128)), s = sizes(b, middle);
     __m256i doubt = _mm256_setzero_si256();
-    const __m256i p = over_length(_mm256_and_si256(pq, _mm256_set1_epi16(255)), factor, &doubt);
-    const __m256i q = over_length(_mm256_srli_epi16(pq, 8), factor, &doubt);
-    const __m256i t = over_length(s, factor, &doubt);
+    const __m256i p = over_length(_mm256_and_si256(pq, _mm256_set1_epi16(255)), g->factor, &doubt);
+    const __m256i q = over_length(_mm256_srli_epi16(pq, 8), g->factor, &doubt);
+    const __m256i t = over_length(s, g->factor, &doubt);
     const __m256i keep = _mm256_or_si256(_mm256_andnot_si256(rounded, doubt),
                                          _mm256_cmpeq_epi16(pq, _mm256_set1_epi16(0x7f7f)));
     const __m256i to_pq = _mm256_blendv_epi8(_mm256_or_si256(p, _mm256_slli_epi16(q, 8)), pq,
@@ -93,12 +109,14 @@ static inline uint32_t normalize_group(uint8_t *dst, const uint8_t *src, __m256i
 static int32_t normalize_rgb8(void *dst, const void *src, int32_t n, int32_t *at, uint64_t *changed)
 {
     __m256i same = _mm256_setzero_si256();
+    group8 groups[MOST_8 / GROUP_8];
     int16_t each[16];
     int32_t found = 0;
-    for (int32_t i = 0; i < n; i += 16) {
-        uint32_t left = normalize_group((uint8_t *) dst + (ptrdiff_t) 3 * i,
-                                        (const uint8_t *) src + (ptrdiff_t) 3 * i, &same) &
-                        0x55555555;
+    for (int32_t i = 0; i < n; i += GROUP_8)
+        groups[i / GROUP_8] = look_8((const uint8_t *) src + (ptrdiff_t) 3 * i);
+    for (int32_t i = 0; i < n; i += GROUP_8) {
+        const group8 *g = groups + i / GROUP_8;
+        uint32_t left = normalize_group((uint8_t *) dst + (ptrdiff_t) 3 * i, g, &same) & 0x55555555;
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left) / 2;
     }
