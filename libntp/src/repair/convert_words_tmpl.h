@@ -30,16 +30,25 @@ static inline __m256i exact_deep(__m256i e, __m256i t, __m256i *d)
     return _mm256_cmpeq_epi32(_mm256_max_epu32(*d, twice), twice);
 }
 
-/* The root of 16 bits for e of 8 bit (words with one above each).  257 X: S is 257^2 times as much, and
+/* e of 16 bits for e of 8 bit (words with 2 above each).  257 X: S is 257^2 times as much, and
  * e' = 257^2 e + 3 (257^2 - 1) / 4; the multiplier is 2^16 + 513. */
-static inline __m256i deep_root(__m256i with_2, __m256i above)
+static inline __m256i deep_rest(__m256i with_2, __m256i above)
 {
     const __m256i by = _mm256_set1_epi32(513 | 3 * (257 * 257 - 1) / 8 << 16);
-    return root_of(_mm256_add_epi32(_mm256_madd_epi16(with_2, by), above), true);
+    return _mm256_add_epi32(_mm256_madd_epi16(with_2, by), above);
 }
 
+/* Steps that are looked at before their roots are taken: of one chain of all that, few would be in
+ * flight. */
+enum { STEPS = 16 };
+
+/* Sixteen texels at 16 bit: e, and blue by value.  32768 + t, or 32767 - t, is t ^ sign. */
+typedef struct wide_words {
+    __m256i e[2], b, sign, exact;
+} wide_words;
+
 /* Standard, 8 bit to 16. */
-static inline void widen_step(uint8_t *d, const uint8_t *s)
+static inline wide_words look_wide(const uint8_t *s)
 {
     const __m256i low = load_two(s, s + 24), high = load_two(s + 8, s + 32);
     const __m256i two = _mm256_set1_epi16(2), zero = _mm256_setzero_si256();
@@ -49,14 +58,23 @@ static inline void widen_step(uint8_t *d, const uint8_t *s)
                         SHUFFLE(high, N, N, N, N, N, N, N, N, N, N, 9, N, 12, N, 15, N));
     __m256i minus, rest;
     const __m256i exact = exact_words(e, size_of_z(b, false, &minus), &rest);
-    const __m256i t = _mm256_packs_epi32(
-        deep_root(_mm256_unpacklo_epi16(e, two), _mm256_unpacklo_epi16(zero, e)),
-        deep_root(_mm256_unpackhi_epi16(e, two), _mm256_unpackhi_epi16(zero, e)));
-    /* 32768 + t, or 32767 - t */
-    const __m256i want = _mm256_xor_si256(t, _mm256_xor_si256(minus, _mm256_set1_epi16(-32768)));
-    const __m256i by_value = _mm256_or_si256(b, _mm256_slli_epi16(b, 8));
+    const wide_words w = {
+        .e = { deep_rest(_mm256_unpacklo_epi16(e, two), _mm256_unpacklo_epi16(zero, e)),
+               deep_rest(_mm256_unpackhi_epi16(e, two), _mm256_unpackhi_epi16(zero, e)) },
+        .b = _mm256_or_si256(b, _mm256_slli_epi16(b, 8)),
+        .sign = _mm256_xor_si256(minus, _mm256_set1_epi16(-32768)),
+        .exact = exact,
+    };
+    return w;
+}
+
+static inline void widen_step(uint8_t *d, const uint8_t *s, const wide_words *of)
+{
+    const __m256i low = load_two(s, s + 24), high = load_two(s + 8, s + 32);
+    const __m256i t = _mm256_packs_epi32(root_of(of->e[0], true), root_of(of->e[1], true));
+    const __m256i want = _mm256_xor_si256(t, of->sign);
     /* Blues as they lie in the words of three vectors, where each place is that of one vector only. */
-    const __m256i z = SHUFFLE(_mm256_blendv_epi8(by_value, want, exact), 4, 5, 10, 11, 0, 1, 6, 7,
+    const __m256i z = SHUFFLE(_mm256_blendv_epi8(of->b, want, of->exact), 4, 5, 10, 11, 0, 1, 6, 7,
                               12, 13, 2, 3, 8, 9, 14, 15);
     store_two(
         d, d + 48,
@@ -102,23 +120,32 @@ static inline __m256i exact_of(const deep_words *in, __m256i *d)
     return exact;
 }
 
-/* Standard, 16 bit to 8.  False, with nothing written, where an exact texel has to be pulled. */
-static inline bool narrow_step(uint8_t *d, const uint8_t *s)
+/* Sixteen texels at 8 bit: red and green, e of these, and blue by value.  128 + t, or 127 - t, is
+ * 128 + (t ^ minus). */
+typedef struct narrow_words {
+    __m256i rg, e, b, minus, exact;
+} narrow_words;
+
+/* Standard, 16 bit to 8.  False where an exact texel has to be pulled. */
+static inline bool look_narrow(narrow_words *to, const uint8_t *s)
 {
     const __m256i half = _mm256_set1_epi16(128);
     const deep_words in = take_deep(s);
     __m256i rest;
-    const __m256i exact = exact_of(&in, &rest);
-    const __m256i rg = _mm256_packus_epi16(over257(_mm256_adds_epu16(in.low, half)),
-                                           over257(_mm256_adds_epu16(in.high, half)));
-    const __m256i e = rest_words(rg);
-    if (!_mm256_testz_si256(_mm256_and_si256(exact, e), _mm256_set1_epi16(-32768)))
-        return false;
-    /* 128 + t, or 127 - t */
-    const __m256i want = _mm256_add_epi16(_mm256_xor_si256(root_words(e), in.minus), half);
-    const __m256i z = _mm256_blendv_epi8(over257(_mm256_adds_epu16(in.b, half)), want, exact);
-    store_pixels(d, rg, z);
-    return true;
+    to->exact = exact_of(&in, &rest);
+    to->rg = _mm256_packus_epi16(over257(_mm256_adds_epu16(in.low, half)),
+                                 over257(_mm256_adds_epu16(in.high, half)));
+    to->e = rest_words(to->rg);
+    to->b = over257(_mm256_adds_epu16(in.b, half));
+    to->minus = in.minus;
+    return _mm256_testz_si256(_mm256_and_si256(to->exact, to->e), _mm256_set1_epi16(-32768));
+}
+
+static inline void narrow_step(uint8_t *d, const narrow_words *of)
+{
+    const __m256i t = _mm256_xor_si256(root_words(of->e), of->minus);
+    const __m256i want = _mm256_add_epi16(t, _mm256_set1_epi16(128));
+    store_pixels(d, of->rg, _mm256_blendv_epi8(of->b, want, of->exact));
 }
 
 /* Blues of Z-zero, as blue_of where texels are exact: 2t, 2t + 1 or 2t + 2; else |Z| = 2t + 1.  With
@@ -178,18 +205,34 @@ static inline bool zzero_step(uint8_t *d, const uint8_t *s, uint64_t *negative)
 
 static int32_t widen(uint8_t *d, const uint8_t *s, int32_t n)
 {
-    int32_t i = 0;
-    for (; i + STEP <= n; i += STEP, s += (ptrdiff_t) STEP * 3, d += (ptrdiff_t) STEP * 6)
-        widen_step(d, s);
-    return i;
+    wide_words steps[STEPS];
+    const int32_t all = n / STEP;
+    for (int32_t i = 0; i < all; i += STEPS) {
+        const int32_t count = all - i < STEPS ? all - i : STEPS;
+        for (int32_t k = 0; k < count; k++)
+            steps[k] = look_wide(s + (ptrdiff_t) 3 * STEP * (i + k));
+        for (int32_t k = 0; k < count; k++)
+            widen_step(d + (ptrdiff_t) 6 * STEP * (i + k), s + (ptrdiff_t) 3 * STEP * (i + k),
+                       &steps[k]);
+    }
+    return all * STEP;
 }
 
 static int32_t narrow(uint8_t *d, const uint8_t *s, int32_t n)
 {
-    int32_t i = 0;
-    while (i + STEP <= n && narrow_step(d + (ptrdiff_t) 3 * i, s + (ptrdiff_t) 6 * i))
-        i += STEP;
-    return i;
+    narrow_words steps[STEPS];
+    const int32_t all = n / STEP;
+    for (int32_t i = 0; i < all; i += STEPS) {
+        const int32_t most = all - i < STEPS ? all - i : STEPS;
+        int32_t count = 0;
+        while (count < most && look_narrow(&steps[count], s + (ptrdiff_t) 6 * STEP * (i + count)))
+            count++;
+        for (int32_t k = 0; k < count; k++)
+            narrow_step(d + (ptrdiff_t) 3 * STEP * (i + k), &steps[k]);
+        if (count < most)
+            return STEP * (i + count);
+    }
+    return STEP * all;
 }
 
 FOR_EACH_DEPTH int32_t to_zzero(uint8_t *d, const uint8_t *s, int32_t n, bool deep,
