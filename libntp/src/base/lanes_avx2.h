@@ -9,6 +9,7 @@
 
 #ifdef __AVX2__
 #  include <immintrin.h>
+#  include <stddef.h>
 #  include <stdint.h>
 
 /* Two loads of 16 bytes, or two stores. */
@@ -16,6 +17,14 @@ static inline __m256i load_two(const void *low, const void *high)
 {
     return _mm256_inserti128_si256(_mm256_castsi128_si256(_mm_loadu_si128(low)),
                                    _mm_loadu_si128(high), 1);
+}
+
+/* load_two of 16 bytes that lie `apart`, from 16 on; all between them are read.  Of two whole loads, as a
+ * blend is done in more places than what puts 16 bytes into a vector. */
+static inline __m256i load_apart(const uint8_t *s, ptrdiff_t apart)
+{
+    return _mm256_blend_epi32(_mm256_loadu_si256((const void *) s),
+                              _mm256_loadu_si256((const void *) (s + apart - 16)), 0xf0);
 }
 
 static inline void store_two(void *low, void *high, __m256i v)

@@ -168,7 +168,7 @@ static inline void load_pairs(__m256i v[3], __m256i *e, __m256i *f, const uint8_
 {
     UNROLLED
     for (int i = 0; i < 3; i++)
-        v[i] = load_two(src + 16 * i, src + 48 + 16 * i);
+        v[i] = load_apart(src + 16 * i, 48);
     *e = rest_words(
         _mm256_or_si256(SHUFFLE(v[0], 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, 15, N, N, N, N, N),
                         SHUFFLE(v[1], N, N, N, N, N, N, N, N, N, N, N, 0, 2, 3, 5, 6)));
