@@ -6,7 +6,8 @@
  * float r of 1/sqrt(h + 3/8) is off by at most 3u, u = 2^-24: h as a float by u, the sum by u more,
  * so the root by 2u and the quotient by 3u.  A step of Newton in doubles leaves 1.5 times the square
  * of that, less than 2^-44, and its own roundings less than 2^-49.  Of less than 2^31 units of 2^-16
- * of a level that is less than one.
+ * of a level that is less than half of one, and whole units are the nearest: so the level may be another
+ * only where they are a whole level.
  */
 #ifdef __AVX2__
 
@@ -17,14 +18,12 @@ static inline __m256i choose(__m256i a, __m256i b, __m256i if_negative)
                                                 _mm256_castsi256_ps(if_negative)));
 }
 
-/* Where units may be on the other side of a whole level: their parts + 1, modulo 2^16, are below 2. */
+/* Where units are a whole level. */
 static inline __m256i near_levels(const __m256i u[3])
 {
+    const __m256i zero = _mm256_setzero_si256();
     const __m256i part = _mm256_blend_epi16(u[0], _mm256_slli_epi32(u[1], 16), 0xaa);
-    const __m256i rg = _mm256_cmpgt_epi16(_mm256_set1_epi16(2 - 32768),
-                                          _mm256_add_epi16(part, _mm256_set1_epi16(1 - 32768)));
-    const __m256i b = _mm256_cmpgt_epi16(_mm256_set1_epi16(2 - 32768),
-                                         _mm256_add_epi16(u[2], _mm256_set1_epi16(1 - 32768)));
+    const __m256i rg = _mm256_cmpeq_epi16(part, zero), b = _mm256_cmpeq_epi16(u[2], zero);
     return _mm256_or_si256(rg, _mm256_slli_epi32(_mm256_or_si256(rg, b), 16));
 }
 
@@ -49,18 +48,14 @@ static inline deep_pixels take_deep(const uint8_t *src)
     return t;
 }
 
-/* p + q + s */
-static inline __m256i size_of(const deep_pixels *t)
-{
-    return _mm256_add_epi32(_mm256_madd_epi16(t->pq, _mm256_set1_epi16(1)), t->s);
-}
-
 /* What is known between the steps, each of which goes over all pixels.  In one loop a processor would
  * wait: it has registers for few chains of so many operations. */
 typedef struct deep_planes {
     int32_t h[256];
-    float over[256];      /* r */
-    int32_t unit[3][256]; /* p, q and s, then those of the quotients in units */
+    float over[256];            /* r */
+    int32_t unit[3][256];       /* sizes of numerators, then those of the quotients in units */
+    int32_t pq[256], sign[256]; /* p and q; what makes them levels again */
+    int32_t s[256], b[256], rounded[256];
 } deep_planes;
 
 static inline void store_plane(int32_t *plane, __m256i v)
@@ -75,16 +70,29 @@ static inline __m256i load_plane(const int32_t *plane)
 
 static inline void sum_up(deep_planes *to, const uint8_t *src, int32_t n)
 {
+    const __m256i one = _mm256_set1_epi16(1);
     for (int32_t i = 0; i < n; i += 8) {
         const deep_pixels t = take_deep(src + (ptrdiff_t) 6 * i);
+        const __m256i size = _mm256_add_epi32(_mm256_madd_epi16(t.pq, one), t.s);
         const __m256i squares =
             _mm256_add_epi32(_mm256_madd_epi16(t.pq, t.pq), _mm256_madd_epi16(t.s, t.s));
-        const __m256i h = _mm256_srli_epi32(_mm256_add_epi32(squares, size_of(&t)), 1);
+        const __m256i sum = _mm256_add_epi32(squares, size), h = _mm256_srli_epi32(sum, 1);
+        /* as in normalize_tmpl.h, see normalize_group */
+        const __m256i off =
+            _mm256_abs_epi32(_mm256_add_epi32(sum, _mm256_set1_epi32(1 - 32768 * 32767)));
         const __m256 square = _mm256_add_ps(_mm256_cvtepi32_ps(h), _mm256_set1_ps(0.375F));
+        const __m256i x = _mm256_add_epi16(_mm256_add_epi16(t.pq, t.pq), one);
         store_plane(to->h + i, h);
-        store_plane(to->unit[0] + i, _mm256_and_si256(t.pq, _mm256_set1_epi32(0xffff)));
-        store_plane(to->unit[1] + i, _mm256_srli_epi32(t.pq, 16));
-        store_plane(to->unit[2] + i, t.s);
+        store_plane(to->unit[0] + i, _mm256_and_si256(x, _mm256_set1_epi32(0xffff)));
+        store_plane(to->unit[1] + i, _mm256_srli_epi32(x, 16));
+        store_plane(to->unit[2] + i,
+                    _mm256_add_epi32(_mm256_add_epi32(t.s, t.s), _mm256_set1_epi32(1)));
+        store_plane(to->pq + i, t.pq);
+        store_plane(to->sign + i, _mm256_xor_si256(t.pq, t.rg));
+        store_plane(to->s + i, t.s);
+        store_plane(to->b + i, t.b);
+        store_plane(to->rounded + i,
+                    _mm256_cmpgt_epi32(_mm256_add_epi32(size, _mm256_set1_epi32(2)), off));
         _mm256_storeu_ps(to->over + i, _mm256_div_ps(_mm256_set1_ps(1), _mm256_sqrt_ps(square)));
     }
 }
@@ -96,43 +104,39 @@ static inline __m256d load_four(const int32_t *plane)
 
 static inline void divide(deep_planes *to, int32_t n)
 {
-    const double half = 65535.0 * 32768 / 2 * 0.70710678118654752; /* M/(2 sqrt(8)) in units */
+    const double half = 65535.0 * 32768 / 4 * 0.70710678118654752; /* M/(4 sqrt(8)) in units */
     for (int32_t i = 0; i < n; i += 4) {
         const __m256d over = _mm256_cvtps_pd(_mm_loadu_ps(to->over + i));
         const __m256d square = _mm256_add_pd(load_four(to->h + i), _mm256_set1_pd(0.375));
         const __m256d rest =
             _mm256_sub_pd(_mm256_set1_pd(3), _mm256_mul_pd(square, _mm256_mul_pd(over, over)));
         const __m256d factor = _mm256_mul_pd(_mm256_mul_pd(over, _mm256_set1_pd(half)), rest);
+        UNROLLED
         for (int k = 0; k < 3; k++) {
             int32_t *unit = to->unit[k] + i;
-            const __m256d v = _mm256_add_pd(load_four(unit), _mm256_set1_pd(0.5));
             _mm_storeu_si128((__m128i *) (void *) unit,
-                             _mm256_cvttpd_epi32(_mm256_mul_pd(v, factor)));
+                             _mm256_cvtpd_epi32(_mm256_mul_pd(load_four(unit), factor)));
         }
     }
 }
 
 /* Eight pixels; see normalize_group.  A bit for each of the result. */
-static inline uint32_t normalize_eight(uint8_t *dst, const uint8_t *src, const deep_planes *planes,
-                                       int32_t i, __m256i *same)
+static inline uint32_t normalize_eight(uint8_t *dst, const deep_planes *planes, int32_t i,
+                                       __m256i *same)
 {
-    const deep_pixels t = take_deep(src);
-    const __m256i rg = t.rg, b = t.b, pq = t.pq, s = t.s, size = size_of(&t);
-    const __m256i sum = _mm256_slli_epi32(load_plane(planes->h + i), 1);
+    const __m256i pq = load_plane(planes->pq + i), s = load_plane(planes->s + i);
+    const __m256i b = load_plane(planes->b + i), rounded = load_plane(planes->rounded + i);
     const __m256i u[3] = { load_plane(planes->unit[0] + i), load_plane(planes->unit[1] + i),
                            load_plane(planes->unit[2] + i) };
-    const __m256i off =
-        _mm256_abs_epi32(_mm256_add_epi32(sum, _mm256_set1_epi32(1 - 32768 * 32767)));
-    const __m256i rounded = _mm256_cmpgt_epi32(_mm256_add_epi32(size, _mm256_set1_epi32(2)), off);
     const __m256i keep = _mm256_or_si256(_mm256_andnot_si256(rounded, near_levels(u)),
                                          _mm256_cmpeq_epi32(pq, _mm256_set1_epi32(0x7fff7fff)));
     const __m256i to_pq = choose(_mm256_blend_epi16(_mm256_srli_epi32(u[0], 16), u[1], 0xaa), pq,
                                  _mm256_or_si256(rounded, keep));
     const __m256i to_s = choose(_mm256_srli_epi32(u[2], 16), s, rounded);
-    const __m256i to_rg = _mm256_xor_si256(to_pq, _mm256_xor_si256(pq, rg));
+    const __m256i to_rg = _mm256_xor_si256(to_pq, load_plane(planes->sign + i));
     const __m256i to_b = choose(_mm256_add_epi32(to_s, _mm256_set1_epi32(32768)), b, keep);
     *same = _mm256_add_epi32(
-        *same, _mm256_and_si256(_mm256_cmpeq_epi32(to_rg, rg), _mm256_cmpeq_epi32(to_b, b)));
+        *same, _mm256_and_si256(_mm256_cmpeq_epi32(to_pq, pq), _mm256_cmpeq_epi32(to_b, b)));
     store_two(dst, dst + 24,
               _mm256_or_si256(SHUFFLE(to_rg, 0, 1, 2, 3, N, N, 4, 5, 6, 7, N, N, 8, 9, 10, 11),
                               SHUFFLE(to_b, N, N, N, N, 0, 1, N, N, N, N, 4, 5, N, N, N, N)));
@@ -153,8 +157,7 @@ static int32_t normalize_rgb16(void *dst, const void *src, int32_t n, int32_t *a
     sum_up(&planes, s, n);
     divide(&planes, n);
     for (int32_t i = 0; i < n; i += 8) {
-        uint32_t left =
-            normalize_eight(d + (ptrdiff_t) 6 * i, s + (ptrdiff_t) 6 * i, &planes, i, &same);
+        uint32_t left = normalize_eight(d + (ptrdiff_t) 6 * i, &planes, i, &same);
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left);
     }
