@@ -53,7 +53,7 @@ static inline __m256i sum_of_products(__m256i p)
  * vectors, in units.  All of a row are looked at before quotients are taken: of a chain that has a root
  * and what follows, few would be in flight. */
 typedef struct group8 {
-    __m256i rg, b, rounded;
+    __m256i pq, sign, s, b, rounded; /* sign: what makes p and q levels again */
     __m256 factor[2];
 } group8;
 
@@ -71,7 +71,9 @@ static inline group8 look_8(const uint8_t *src)
     /* as in normalize_tmpl.h, where this is off + 1, and this ks is 3 less: -ks < off <= ks - 3 */
     const __m256i off = _mm256_abs_epi16(_mm256_add_epi16(sum, _mm256_set1_epi16(1 - 128 * 127)));
     const __m256i ks = _mm256_add_epi16(_mm256_maddubs_epi16(_mm256_set1_epi8(1), pq), s);
-    group8 g = { .rg = rg,
+    group8 g = { .pq = pq,
+                 .sign = _mm256_xor_si256(pq, rg),
+                 .s = s,
                  .b = b,
                  .rounded = _mm256_cmpgt_epi16(_mm256_add_epi16(ks, _mm256_set1_epi16(2)), off) };
     to_floats(g.factor, sum);
@@ -86,9 +88,8 @@ static inline group8 look_8(const uint8_t *src)
  * of black and white.  A bit in both bytes of each; `same` counts what is not changed, less than 0. */
 static inline uint32_t normalize_group(uint8_t *dst, const group8 *g, __m256i *same)
 {
-    const __m256i rg = g->rg, b = g->b, rounded = g->rounded;
+    const __m256i pq = g->pq, s = g->s, b = g->b, rounded = g->rounded;
     const __m256i middle = _mm256_set1_epi16(128);
-    const __m256i pq = sizes(rg, _mm256_set1_epi8(-128)), s = sizes(b, middle);
     __m256i doubt = _mm256_setzero_si256();
     const __m256i p = over_length(_mm256_and_si256(pq, _mm256_set1_epi16(255)), g->factor, &doubt);
     const __m256i q = over_length(_mm256_srli_epi16(pq, 8), g->factor, &doubt);
@@ -98,11 +99,10 @@ static inline uint32_t normalize_group(uint8_t *dst, const group8 *g, __m256i *s
     const __m256i to_pq = _mm256_blendv_epi8(_mm256_or_si256(p, _mm256_slli_epi16(q, 8)), pq,
                                              _mm256_or_si256(rounded, keep));
     const __m256i to_s = _mm256_blendv_epi8(t, s, rounded);
-    const __m256i to_rg = _mm256_xor_si256(to_pq, _mm256_xor_si256(pq, rg)); /* the same signs */
     const __m256i to_b = _mm256_blendv_epi8(_mm256_xor_si256(to_s, middle), b, keep);
     *same = _mm256_add_epi16(
-        *same, _mm256_and_si256(_mm256_cmpeq_epi16(to_rg, rg), _mm256_cmpeq_epi16(to_b, b)));
-    store_pixels(dst, to_rg, to_b);
+        *same, _mm256_and_si256(_mm256_cmpeq_epi16(to_pq, pq), _mm256_cmpeq_epi16(to_b, b)));
+    store_pixels(dst, _mm256_xor_si256(to_pq, g->sign), to_b);
     return (uint32_t) _mm256_movemask_epi8(keep);
 }
 
