@@ -9,8 +9,10 @@
  * the seam differ as little as those around a place inside?  Sampled rows are asked.  Columns are
  * the rows of the transposed image.
  */
-#include "detect/line.h"
+#include "base/cpu.h"
+#include "detect/line_loops_tmpl.h"
 #include "texel/level.h"
+#include "texel/unused.h"
 
 #include <string.h>
 
@@ -48,8 +50,6 @@ static const double LEAST_SIGNAL = 4;
  * many times the variance of rounded level ground, and this share of that of the heights, sums that
  * close tell nothing: the share was at most 0.018 in steep tiles, and 0.02 to 0.05 in cut bricks whose edges ring. */
 static const double STEEP_NOISE = 4, MOST_STEEP_NOISE = 0.02;
-/* Steeper slopes count as this one: such a texel tells little. */
-static const double STEEPEST = 8;
 
 /* Sums over lines. */
 typedef struct axis_sums {
@@ -66,28 +66,37 @@ typedef struct axis_sums {
     int32_t lines, asked; /* lines used, and lines looked at */
 } axis_sums;
 
-void ntp__read_line(ntp__line *l, const ntp_const_image *src, uint32_t touch, int32_t along,
-                    int32_t x, int32_t y, int32_t n)
+/* Reads n texels.  Channel `along` holds the component along the line. */
+static void read_line(ntp__line *l, const ntp_const_image *src, uint32_t touch, int32_t along,
+                      int32_t x, int32_t y, int32_t n)
 {
     int32_t m = ntp__max(src->type);
-    double m2 = (double) m * m, least = m2 / (STEEPEST * STEEPEST), inverse[NTP__BLOCK];
     ntp__block *b = &l->block;
     ntp__unpack(b, src, x, y, n);
-    for (int32_t i = 0; i < n; i++) {
-        double p = ntp__num(b->c[0][i], m), q = ntp__num(b->c[1][i], m);
-        double rest = m2 - p * p - q * q;
-        inverse[i] = 1 / sqrt(rest < least ? least : rest);
-    }
-    for (int32_t i = 0; i < n; i++) {
-        l->p[i + 1] = ntp__num(b->c[along][i], m) * inverse[i];
-        l->q[i + 1] = ntp__num(b->c[1 - along][i], m) * inverse[i];
-    }
-    for (int32_t i = 0; i < n; i++) {
-        l->bad[i] = (b->any_broken && b->broken[i]) ||
-                    ntp__unused(b->c[0][i], b->c[1][i], b->c[2][i], b->c[3][i], m, touch);
+    const bool any = ntp__any_suspect(b, n, m);
+    for (int32_t i = 0; i < n; i++)
+        l->bad[i] = any && ntp__texel_unused(b, i, m, touch);
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL))
+        ntp__line_slopes_avx2(l, along, m, n);
+    else
+#endif
+        ntp__line_slopes(l->p + 1, l->q + 1, b->c[along], b->c[1 - along], m, n);
+    for (int32_t i = 0; i < n && any; i++) {
         if (l->bad[i])
             l->p[i + 1] = l->q[i + 1] = 0;
     }
+}
+
+static void find_steps(ntp__line *l, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__line_steps_avx2(l, n);
+        return;
+    }
+#endif
+    ntp__line_steps(l->step, l->noise, l->p, l->q, n);
 }
 
 static double size(double v)
@@ -105,7 +114,7 @@ static bool read_ends(ends *e, ntp__line *l, const ntp_const_image *src, uint32_
                       int32_t along, int32_t y)
 {
     for (int32_t first = 0; first < 2; first++) {
-        ntp__read_line(l, src, touch, along, first ? 0 : src->width - WIDEST, y, WIDEST);
+        read_line(l, src, touch, along, first ? 0 : src->width - WIDEST, y, WIDEST);
         if (l->bad[first ? 0 : WIDEST - 1])
             return false;
         memcpy(e->p + first * WIDEST, l->p + 1, WIDEST * sizeof *e->p);
@@ -115,7 +124,7 @@ static bool read_ends(ends *e, ntp__line *l, const ntp_const_image *src, uint32_
 }
 
 /* Means of 1, 2 and 4 slopes before v and from v on. */
-static void means_of(double before[WINDOWS], double after[WINDOWS], const double *v)
+static inline void means_of(double before[WINDOWS], double after[WINDOWS], const double *v)
 {
     before[0] = v[-1];
     before[1] = (v[-2] + v[-1]) / 2;
@@ -126,7 +135,7 @@ static void means_of(double before[WINDOWS], double after[WINDOWS], const double
 }
 
 /* Adds the squares of how far the means of slopes before and after p, q are apart. */
-static void add_differences(double sum[WINDOWS], double after[2][WINDOWS], const double *p,
+static inline void add_differences(double sum[WINDOWS], double after[2][WINDOWS], const double *p,
                             const double *q)
 {
     double before[2][WINDOWS];
@@ -165,15 +174,6 @@ static bool continues(const axis_sums *s)
     return false;
 }
 
-static void find_steps(ntp__line *l, int32_t n)
-{
-    for (int32_t i = 0; i < n; i++) {
-        double p = l->p[i + 1], q = l->q[i + 1], pp = p * p, qq = q * q;
-        l->step[i] = size(p - l->p[i]) + size(q - l->q[i]);
-        l->noise[i] = (1 + pp + qq) * ((1 + pp) * (1 + pp) + pp * qq);
-    }
-}
-
 /* Adds line y: its closure, the variance of its heights, and how its steps compare with the
  * seam. */
 static void add_line(axis_sums *s, ntp__line *l, const ntp_const_image *src, uint32_t touch,
@@ -192,18 +192,19 @@ static void add_line(axis_sums *s, ntp__line *l, const ntp_const_image *src, uin
         int32_t n = w - x < NTP__BLOCK ? w - x : NTP__BLOCK;
         l->p[0] = x > 0 ? l->p[NTP__BLOCK] : 0; /* the last of the stretch before */
         l->q[0] = x > 0 ? l->q[NTP__BLOCK] : 0;
-        ntp__read_line(l, src, touch, along, x, y, n);
+        read_line(l, src, touch, along, x, y, n);
         find_steps(l, n);
         add_windows(s, l, n);
+        for (int32_t i = x == 0 ? 1 : 0; i < n; i++)
+            larger += (l->step[i] > jump) + (l->step[i] >= jump);
+        if (x == 0)
+            l->step[0] = 0; /* there is none before the first texel */
         for (int32_t i = 0; i < n; i++) {
             height += l->p[i + 1];
             sum += height;
             sum2 += height * height;
             noise += l->noise[i];
-        }
-        for (int32_t i = x == 0 ? 1 : 0; i < n; i++) {
             inside += l->step[i];
-            larger += (l->step[i] > jump) + (l->step[i] >= jump);
         }
     }
     add_differences(s->seam, mean, e.p + WIDEST, e.q + WIDEST);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * slopes_avx2.c - the slopes of a row, and the loops of find_kernel.c, with AVX2
+ * slopes_avx2.c - the slopes of a row, and the loops of find_kernel.c and find_seams.c, with AVX2
  */
 #include "detect/kernel_loops_tmpl.h"
+#include "detect/line_loops_tmpl.h"
 #include "detect/slopes_tmpl.h"
 
 void ntp__add_slopes_avx2(columns *sums, float *p, float *q, ntp__block *block, int32_t n,
@@ -41,4 +42,18 @@ void ntp__to_worth_avx2(int32_t *worth, const float *u, const float *v, const in
 double ntp__sum_squares_avx2(float *e, const float *expected, const int32_t *worth, int32_t n)
 {
     return ntp__sum_squares(e, expected, worth, (n + 7) & -8);
+}
+
+void ntp__line_slopes_avx2(ntp__line *l, int32_t along, int32_t m, int32_t n)
+{
+    ntp__block *b = &l->block;
+    const int32_t filled = (n + 3) & -4;
+    for (int32_t i = n; i < filled; i++)
+        b->c[0][i] = b->c[1][i] = 0;
+    ntp__line_slopes(l->p + 1, l->q + 1, b->c[along], b->c[1 - along], m, filled);
+}
+
+void ntp__line_steps_avx2(ntp__line *l, int32_t n)
+{
+    ntp__line_steps(l->step, l->noise, l->p, l->q, (n + 3) & -4);
 }

@@ -31,16 +31,8 @@ static void add_ground(evidence *e, const ntp__block *b, int32_t n)
         uint32_t x = (uint32_t) (b->c[0][i] - FIRST_AROUND);
         uint32_t y = (uint32_t) (b->c[1][i] - FIRST_AROUND);
         e->near[x < AROUND ? x : AROUND][y < AROUND ? y : AROUND]++;
-        e->asked++;
     }
-}
-
-/* Is this the blue that is derived where x^2 + y^2 leave `rest`?  It takes no root. */
-static bool is_derived(int64_t blue, int64_t rest, int32_t m, bool zzero)
-{
-    int64_t low = zzero ? 2 * blue - 1 : 2 * blue - m - 1, high = low + 2;
-    int64_t scaled = zzero ? 4 * rest : rest;
-    return low >= 0 && low * low <= scaled && scaled < high * high;
+    e->asked += (n + EACH - 1) / EACH;
 }
 
 static void add_neutral(evidence *e, const ntp__block *b, int32_t n)
@@ -59,14 +51,27 @@ static void add_neutral(evidence *e, const ntp__block *b, int32_t n)
     e->pile[1] += high;
 }
 
-static void add_tilted(evidence *e, const ntp__block *b, const double *rest, int32_t m, bool zzero,
-                       int32_t n)
+/* Which tilted texels have the blue that is derived where x^2 + y^2 leave `rest`?  It takes no root, and all
+ * numbers are integers below 2^53. */
+static void add_tilted(evidence *e, const double *z, const double *rest, bool zzero, int32_t n)
 {
-    for (int32_t i = 0; i < n; i++) {
-        if (rest[i] >= 0 && rest[i] < e->most_rest) {
-            e->tilted++;
-            e->derived += is_derived(b->c[2][i], (int64_t) rest[i], m, zzero);
+    double some[LANES] = { 0 }, derived[LANES] = { 0 }, too_long[LANES] = { 0 };
+    const double scale = zzero ? 2 : 1, most_rest = e->most_rest;
+    for (int32_t i = 0; i < n; i += LANES) {
+        for (int32_t k = 0; k < LANES; k++) {
+            double v = rest[i + k], scaled = v * scale * scale;
+            double low = z[i + k] * scale - 1, high = low + 2;
+            double in = v < 0 ? 0 : v < most_rest ? 1 : 0;
+            double below = low < 0 ? 0 : low * low <= scaled ? in : 0;
+            some[k] += in;
+            derived[k] += scaled < high * high ? below : 0;
+            too_long[k] += v < 0 ? 1 : 0;
         }
+    }
+    for (int32_t k = 0; k < LANES; k++) {
+        e->tilted += some[k];
+        e->derived += derived[k];
+        e->too_long += too_long[k];
     }
 }
 
@@ -81,69 +86,75 @@ static void add_negative(evidence *e, const double *z, double unit, int32_t n)
     }
 }
 
+/* What sums leave open: the least z, and the least of the rests. */
+typedef struct least {
+    double z, rest;
+} least;
+
 /* Sums of z^2 and 1 - x^2 - y^2.  Several sums of each run side by side, which compilers vectorize. */
-static void add_squares(evidence *e, const double *z2, const double *rest, double unit, int32_t n)
+static least add_squares(evidence *e, const double *z, const double *rest, double unit, int32_t n)
 {
     double off2[LANES] = { 0 }, longer[LANES] = { 0 }, one[LANES] = { 0 }, one2[LANES] = { 0 };
-    double two[LANES] = { 0 }, two2[LANES] = { 0 }, both[LANES] = { 0 };
+    double two[LANES] = { 0 }, two2[LANES] = { 0 }, both[LANES] = { 0 }, right[LANES] = { 0 };
+    double low[LANES] = { 0 }, low_rest[LANES] = { e->most_rest, e->most_rest, e->most_rest,
+                                                   e->most_rest };
+    const double most_off = e->most_off;
     for (int32_t i = 0; i < n; i += LANES) {
         for (int32_t k = 0; k < LANES; k++) {
-            double off = z2[i + k] - rest[i + k], u = rest[i + k] * unit, v = z2[i + k] * unit;
-            off2[k] += off * off;
-            longer[k] += off > 0 ? off * off : 0;
+            double w = z[i + k], z2 = w * w, r = rest[i + k];
+            double off = z2 - r, off_2 = off * off, u = r * unit, v = z2 * unit;
+            off2[k] += off_2;
+            longer[k] += off > 0 ? off_2 : 0;
+            right[k] += off_2 < most_off ? 1 : 0;
             one[k] += u;
             one2[k] += u * u;
             two[k] += v;
             two2[k] += v * v;
             both[k] += u * v;
+            low[k] = w < low[k] ? w : low[k];
+            low_rest[k] = r < low_rest[k] ? r : low_rest[k];
         }
     }
+    least all = { low[0], low_rest[0] };
     for (int32_t k = 0; k < LANES; k++) {
         e->lengths += off2[k];
         e->longer += longer[k];
+        e->right += right[k];
         e->rest += one[k];
         e->rest2 += one2[k];
         e->z2 += two[k];
         e->z4 += two2[k];
         e->both += both[k];
+        all.z = low[k] < all.z ? low[k] : all.z;
+        all.rest = low_rest[k] < all.rest ? low_rest[k] : all.rest;
     }
+    return all;
 }
 
 /* What x, y and z tell together.  In units of a half level they are integers, which doubles hold,
  * and so are their squares.  The loops over single arrays are for the compiler to vectorize. */
 static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero, int32_t n)
 {
-    double z[NTP__BLOCK], z2[NTP__BLOCK], rest[NTP__BLOCK];
-    double square = (double) m * m, unit = 1 / square;
-    const double most_off = e->most_off, most_rest = e->most_rest;
-    int32_t scale = zzero ? 1 : 2, zero = zzero ? 0 : m, negative = 0, tilted_some = 0;
-    int32_t right_some = 0;
-    for (int32_t i = 0; i < whole(n); i++) {
+    double z[NTP__BLOCK], rest[NTP__BLOCK];
+    const double square = (double) m * m, unit = 1 / square;
+    const int32_t scale = zzero ? 1 : 2, zero = zzero ? 0 : m, filled = whole(n);
+    for (int32_t i = 0; i < filled; i++) {
         double x = 2 * b->c[0][i] - m, y = 2 * b->c[1][i] - m;
         z[i] = scale * b->c[2][i] - zero;
-        z2[i] = z[i] * z[i];
         rest[i] = square - x * x - y * y;
     }
-    for (int32_t i = n; i < whole(n); i++)
-        z2[i] = rest[i] = z[i] = 0;
-    add_squares(e, z2, rest, unit, whole(n));
-    for (int32_t i = n; i < whole(n); i++) /* neither right nor tilted */
-        rest[i] = 4 * square;
-    for (int32_t i = 0; i < whole(n); i++) {
-        double off = z2[i] - rest[i];
-        right_some += off * off < most_off;
-        negative |= z[i] < -1;
-        tilted_some |= rest[i] < most_rest;
-    }
-    e->right += right_some;
+    for (int32_t i = n; i < filled; i++)
+        rest[i] = z[i] = 0;
+    const least low = add_squares(e, z, rest, unit, filled);
+    e->right -= filled - n; /* of which no length is off */
     e->all += n;
-    if (negative)
+    if (low.z < -1)
         add_negative(e, z, unit, n);
-    if (!tilted_some)
+    if (!(low.rest < e->most_rest))
         return;
-    add_tilted(e, b, rest, m, zzero, n);
-    for (int32_t i = 0; i < n; i++)
-        e->too_long += rest[i] < 0;
+    for (int32_t i = n; i < filled; i++) /* not tilted */
+        rest[i] = 4 * square;
+    add_tilted(e, z, rest, zzero, filled);
 }
 
 /* The errors of lengths by a rule. */
@@ -159,14 +170,17 @@ static void find_errors(double *restrict error, const rule *r, int32_t c[3][NTP_
 
 static void compare(rule *r, int32_t c[3][NTP__BLOCK], const double *plain, int32_t n)
 {
-    double error[NTP__BLOCK];
+    double error[NTP__BLOCK], sum = r->sum, gain = r->gain, gain2 = r->gain2;
     find_errors(error, r, c, n);
     for (int32_t i = 0; i < n; i++) {
-        double e = error[i], gain = plain[i] * plain[i] - e * e;
-        r->sum += e * e;
-        r->gain += gain;
-        r->gain2 += gain * gain;
+        double e = error[i], by = plain[i] * plain[i] - e * e;
+        sum += e * e;
+        gain += by;
+        gain2 += by * by;
     }
+    r->sum = sum;
+    r->gain = gain;
+    r->gain2 = gain2;
 }
 
 /* 0 or 1, and no branch. */
@@ -176,27 +190,38 @@ static int32_t is_flat(int32_t level)
 }
 
 /* How well each rule explains the lengths of 8-bit texels.  Neutral ones tell nothing, and there can be
- * many. */
+ * many.  No branch: which texels are kept nobody foresees. */
 static void add_rules(evidence *e, const ntp__block *b, int32_t n)
 {
-    int32_t c[3][NTP__BLOCK], count = 0;
-    double plain[NTP__BLOCK];
-    for (int32_t i = 0; i < n; i++) {
+    int32_t c[3][NTP__BLOCK], kept[NTP__BLOCK], pair[NTP__BLOCK], sloped = 0, count = 0;
+    double plain[NTP__BLOCK], sum = e->unorm.sum;
+    for (int32_t i = 0; i < whole(n); i++) {
         int32_t red = b->c[0][i], green = b->c[1][i];
-        uint8_t *votes = &e->votes[(green & VOTE_MASK) << VOTE_BITS | (red & VOTE_MASK)];
-        if (*votes == MOST_VOTES || (is_flat(red) & is_flat(green)))
-            continue;
-        *votes += 1;
-        c[0][count] = red;
-        c[1][count] = green;
-        c[2][count++] = b->c[2][i];
+        int32_t at = (green & VOTE_MASK) << VOTE_BITS | (red & VOTE_MASK);
+        pair[i] = is_flat(red) & is_flat(green) ? -1 : at;
+    }
+    for (int32_t i = 0; i < n; i++) {
+        kept[sloped] = i;
+        sloped += pair[i] >= 0;
+    }
+    for (int32_t k = 0; k < sloped; k++) {
+        int32_t i = kept[k];
+        uint8_t *votes = &e->votes[pair[i]], more = *votes < MOST_VOTES;
+        *votes = (uint8_t) (*votes + more);
+        kept[count] = i;
+        count += more;
+    }
+    for (int32_t j = 0; j < 3; j++) {
+        for (int32_t k = 0; k < count; k++)
+            c[j][k] = b->c[j][kept[k]];
     }
     e->count += count;
     for (int32_t i = count; i < whole(count); i++)
         c[0][i] = c[1][i] = c[2][i] = 0;
     find_errors(plain, &e->unorm, c, count);
     for (int32_t i = 0; i < count; i++)
-        e->unorm.sum += plain[i] * plain[i];
+        sum += plain[i] * plain[i];
+    e->unorm.sum = sum;
     compare(&e->trunc, c, plain, count);
     compare(&e->snorm, c, plain, count);
 }

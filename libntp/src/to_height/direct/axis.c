@@ -202,6 +202,16 @@ void ntp__symbol_at(ntp__symbol *symbol, const ntp__grid_axis *axis, int32_t j)
     }
 }
 
+void ntp__symbols(ntp__symbol *symbol, const ntp__grid_axis *axis)
+{
+    for (int32_t j = 0; j < axis->n; j++) {
+        if (axis->wrap && j > axis->n - j)
+            symbol[j] = symbol[axis->n - j];
+        else
+            ntp__symbol_at(&symbol[j], axis, j);
+    }
+}
+
 /* ------------------------------------------------------------------------------- problem */
 
 /* Slopes count as differences of heights per step of dy.  Those to the right are per step of dx, so

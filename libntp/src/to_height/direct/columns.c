@@ -24,11 +24,12 @@ static const double tiny = 0x1p-80;
 static double greatest_power(double r, int32_t limit, int32_t *e)
 {
     double square[17], product = 1;
+    int32_t last = 0;
     square[0] = r;
-    for (int32_t b = 1; b < 17; b++)
-        square[b] = square[b - 1] * square[b - 1];
+    for (; last < 16 && 2 << last <= limit; last++)
+        square[last + 1] = square[last] * square[last];
     *e = 0;
-    for (int32_t b = 16; b >= 0; b--) {
+    for (int32_t b = last; b >= 0; b--) {
         if (*e + (1 << b) <= limit && product * square[b] >= tiny) {
             product *= square[b];
             *e += 1 << b;
@@ -81,15 +82,20 @@ static void clear(ntp__columns *c)
 static void set_column(ntp__columns *c, const ntp__problem *p, int32_t k)
 {
     ntp__symbol symbol;
-    int32_t e, *live = &c->live[k / NTP__COLUMNS];
-    ntp__symbol_at(&symbol, &p->along, k);
-    double mu = c->scale * p->ratio * symbol.along[0] * symbol.along[0];
-    double half = mu / 2, root = sqrt(mu + half * half);
-    c->r[k] = mu > 0 ? 1 / (1 + half + root) : 0;
-    c->inverse[k] = mu > 0 ? 1 + half + root : 0;
+    int32_t e, *live = &c->live[k / NTP__COLUMNS], other = c->width - k;
+    if (p->along.wrap && k > other) { /* the same frequency */
+        c->r[k] = c->r[other];
+        c->inverse[k] = c->inverse[other];
+    } else {
+        ntp__symbol_at(&symbol, &p->along, k);
+        double mu = c->scale * p->ratio * symbol.along[0] * symbol.along[0];
+        double half = mu / 2, root = sqrt(mu + half * half);
+        c->r[k] = mu > 0 ? 1 / (1 + half + root) : 0;
+        c->inverse[k] = mu > 0 ? 1 + half + root : 0;
+    }
     greatest_power(c->r[k], p->down.n, &e);
     *live = e > *live ? e : *live;
-    if (!(mu > 0) && c->nulls < NTP__MAX_NULLS)
+    if (!(c->inverse[k] > 0) && c->nulls < NTP__MAX_NULLS)
         c->null_at[c->nulls++] = k;
 }
 

@@ -73,6 +73,9 @@ typedef struct ntp__symbol {
 
 void ntp__symbol_at(ntp__symbol *symbol, const ntp__grid_axis *axis, int32_t j);
 
+/* Those of all frequencies. */
+void ntp__symbols(ntp__symbol *symbol, const ntp__grid_axis *axis);
+
 /* ------------------------------------------------------------------------------- problem */
 
 /* Rows of normals, and where heights go: whole images, or callbacks. */

@@ -30,10 +30,8 @@ void ntp__filter_init(ntp__filter *f, ntp__scratch *memory, const ntp__problem *
     f->precision = p->single ? single_noise : storage_noise;
     if (memory->base == NULL)
         return;
-    for (int32_t k = 0; k < p->along.n; k++)
-        ntp__symbol_at(&f->along[k], &p->along, k);
-    for (int32_t k = 0; k < p->down.n; k++)
-        ntp__symbol_at(&f->down[k], &p->down, k);
+    ntp__symbols(f->along, &p->along);
+    ntp__symbols(f->down, &p->down);
 }
 
 void ntp__filter_set_prior(ntp__filter *f, double mean_square)

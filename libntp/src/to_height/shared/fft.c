@@ -132,17 +132,56 @@ static void lay_out(ntp__fft *fft, ntp__scratch *memory)
     }
 }
 
+/* table[k] from table[from], with its parts swapped or of other signs. */
+static void copy_turn(const ntp__fft *fft, void *table, int32_t k, int32_t from, bool swapped,
+                      int sign_c, int sign_s)
+{
+    size_t at = 2 * (size_t) k, c = 2 * (size_t) from + swapped, s = c ^ 1;
+    if (fft->single) {
+        float *single = table;
+        single[at] = (float) sign_c * single[c];
+        single[at + 1] = (float) sign_s * single[s];
+    } else {
+        double *wide = table;
+        wide[at] = sign_c * wide[c];
+        wide[at + 1] = sign_s * wide[s];
+    }
+}
+
+/* The turns of a circle in n parts, to the other side.  An eighth of it tells the rest, to the bit: ntp__turn
+ * takes all angles from there. */
+static void put_circle(const ntp__fft *fft, void *table, int32_t n)
+{
+    for (int32_t k = 0; k < n; k++) {
+        if (k > n - k)
+            copy_turn(fft, table, k, n - k, false, 1, -1);
+        else if (n % 2 == 0 && k > n / 2 - k)
+            copy_turn(fft, table, k, n / 2 - k, false, -1, 1);
+        else if (n % 4 == 0 && k > n / 4 - k)
+            copy_turn(fft, table, k, n / 4 - k, true, -1, -1);
+        else
+            put_turn(fft, table, k, k, n, -1);
+    }
+}
+
 static void fill_tables(ntp__fft *fft, void *work)
 {
-    for (int32_t k = 0; k < fft->m; k++)
-        put_turn(fft, fft->turns, k, k, fft->m, -1);
-    for (int32_t k = 0; fft->quarter != NULL && k < fft->n; k++)
-        put_turn(fft, fft->quarter, k, k, 4 * (int64_t) fft->n, 1);
+    put_circle(fft, fft->turns, fft->m);
+    for (int32_t k = 0; fft->quarter != NULL && k < fft->n; k++) {
+        if (k > fft->n - k)
+            copy_turn(fft, fft->quarter, k, fft->n - k, true, 1, 1);
+        else
+            put_turn(fft, fft->quarter, k, k, 4 * (int64_t) fft->n, 1);
+    }
     if (fft->chirp == NULL)
         return;
-    int64_t whole = 2 * (int64_t) fft->period;
-    for (int64_t i = 0; i < fft->period; i++)
-        put_turn(fft, fft->chirp, (int32_t) i, i * i % whole, whole, -1);
+    const int64_t period = fft->period, whole = 2 * period;
+    for (int64_t i = 0; i < period; i++) {
+        if (period % 2 == 0 && i > period - i) /* squares that differ by a multiple of `whole` */
+            copy_turn(fft, fft->chirp, (int32_t) i, (int32_t) (period - i), false, 1, 1);
+        else
+            put_turn(fft, fft->chirp, (int32_t) i, i * i % whole, whole, -1);
+    }
     fft->loops->respond(fft, work);
 }
 
