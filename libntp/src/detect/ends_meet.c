@@ -114,21 +114,42 @@ static double whole(lines *l, int32_t y)
     return sum + l->lean * l->src.width;
 }
 
-/* The slope across line y at its end less that at its beginning.  beyond: the step between the
- * middles of both ends, around the seam. */
-static double across(lines *l, int32_t y, double *beyond)
+/* The sums of the slopes along all lines, of which there are few; texel by texel, as each one is in a row
+ * of the picture. */
+static void all_whole(double *sum, lines *turned, const lines *l)
 {
-    double difference = 0, sum = 0;
-    for (int32_t end = 0; end < 2; end++) {
-        read(l, end == 0 ? 0 : l->src.width - END, y, END);
-        difference = -difference;
-        for (int32_t i = 0; i < END; i++) {
-            sum += (double) l->along[i];
-            difference += (double) l->across[i];
+    for (int32_t i = 0; i < l->src.height; i++)
+        sum[i] = 0;
+    for (int32_t x = 0; x < l->src.width; x++) {
+        for (int32_t y = 0; y < l->src.height; y += NTP__BLOCK) {
+            int32_t n = l->src.height - y < NTP__BLOCK ? l->src.height - y : NTP__BLOCK;
+            read(turned, y, x, n);
+            for (int32_t i = 0; i < n; i++)
+                sum[y + i] += (double) turned->across[i];
         }
     }
-    *beyond = sum / 2;
-    return difference / END;
+    for (int32_t i = 0; i < l->src.height; i++)
+        sum[i] += l->lean * l->src.width;
+}
+
+/* Of lines y to y + n - 1 the slope across at the end less that at the beginning.  beyond: the step between the
+ * middles of both ends, around the seam.  What is across the lines is along the turned ones. */
+static void at_ends(double *across, double *beyond, lines *turned, int32_t y, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++)
+        across[i] = beyond[i] = 0;
+    for (int32_t k = 0; k < 2 * END; k++) {
+        read(turned, y, k < END ? k : turned->src.height - 2 * END + k, n);
+        for (int32_t i = 0; i < n; i++) {
+            const double here = (double) turned->along[i];
+            across[i] += k < END ? -here : here;
+            beyond[i] += (double) turned->across[i];
+        }
+    }
+    for (int32_t i = 0; i < n; i++) {
+        across[i] /= END;
+        beyond[i] /= 2;
+    }
 }
 
 /* The number of colors of a block; one more than BLOCK: more than these. */
@@ -233,8 +254,9 @@ static bool is_damaged(const ntp_const_image *src)
 ntp__ends ntp__find_ends(ntp__reading *reading, const ntp_const_image *src,
                          const ntp_height_options *how, bool down)
 {
-    double step[MOST_LINES], seen[MOST_LINES], sum = 0, beyond;
-    lines l;
+    double step[MOST_LINES], seen[MOST_LINES], sum = 0, over[NTP__BLOCK], beyond[NTP__BLOCK];
+    double all[2 * MOST_LINES];
+    lines l, turned;
     int32_t n = LEAST_LINES, next = 0;
     if (src->encoding != NTP_ENCODING_STANDARD || !is_damaged(src))
         return NTP__ENDS_UNTOLD;
@@ -242,15 +264,22 @@ ntp__ends ntp__find_ends(ntp__reading *reading, const ntp_const_image *src,
     if (reading->plan.z == NTP_Z_DERIVED)
         return NTP__ENDS_UNTOLD;
     start(&l, src, &reading->plan, down);
+    start(&turned, src, &reading->plan, !down);
     const int32_t most = l.src.width > LONG ? MOST_TEXELS / 2 : MOST_TEXELS;
     while (2 * n <= l.src.height && n < MOST_LINES && 2 * n <= most / l.src.width)
         n *= 2;
+    const bool dense = down && l.src.height <= 2 * n;
+    if (dense)
+        all_whole(all, &turned, &l);
     for (int32_t y = 0; next < n; y++) {
-        double here = across(&l, y, &beyond) / 2;
+        const int32_t at = y % NTP__BLOCK, left = l.src.height - y;
+        if (at == 0)
+            at_ends(over, beyond, &turned, y, left < NTP__BLOCK ? left : NTP__BLOCK);
+        double here = over[at] / 2;
         sum += here;
         if (y == (int32_t) ((int64_t) next * l.src.height / n)) {
-            seen[next] = sum + beyond;
-            step[next++] = whole(&l, y);
+            seen[next] = sum + beyond[at];
+            step[next++] = dense ? all[y] : whole(&l, y);
         }
         sum += here;
     }

@@ -158,12 +158,19 @@ void ntp__slopes_row(const ntp__slopes *s, double *right, double *down, int32_t 
 enum { RGB = 3 };
 
 /* As packed pixels, so that the kernel rounds every layout alike. */
-static void pack(uint8_t *out, const ntp__block *block, int32_t n)
+static const uint8_t *packed_at(uint8_t *copy, const ntp_const_image *src, int32_t x, int32_t y,
+                                int32_t n)
 {
-    for (int32_t i = 0; i < n; i++) {
-        for (int32_t c = 0; c < RGB; c++)
-            out[RGB * i + c] = (uint8_t) block->c[c][i];
+    const uint8_t *from = ntp__at(src, x, y);
+    const size_t channels = (size_t) src->channels;
+    if (src->pixel_stride == (ptrdiff_t) channels)
+        return from;
+    for (int32_t i = 0; i < n; i++, from += src->pixel_stride) {
+        memcpy(copy + channels * (size_t) i, from, RGB);
+        if (channels > RGB)
+            copy[channels * (size_t) i + RGB] = from[RGB];
     }
+    return copy;
 }
 
 /* Other types than 8-bit colors go by way of doubles. */
@@ -198,21 +205,16 @@ void ntp__slopes_row_single(const ntp__slopes *s, float *right, float *down, int
                                     .mixed = s->mixed };
     ntp__block block;
     bool flat[NTP__BLOCK];
-    uint8_t pixels[RGB * NTP__BLOCK];
+    uint8_t pixels[(RGB + 1) * NTP__BLOCK];
     const bool colors = src->type == NTP_TYPE_U8 && src->channels >= RGB;
-    const bool packed = colors && src->pixel_stride == (ptrdiff_t) src->channels;
     for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
         int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;
-        if (packed &&
-            kernels->slopes8(right + x, down + x, ntp__at(src, x, y), src->channels, n, &how) == 0)
+        if (colors && kernels->slopes8(right + x, down + x, packed_at(pixels, src, x, y, n),
+                                       src->channels, n, &how) == 0)
             continue;
         ntp__unpack(&block, src, x, y, n);
-        if (colors && !packed) {
-            pack(pixels, &block, n);
-            kernels->slopes8(right + x, down + x, pixels, RGB, n, &how);
-        } else if (!colors) {
+        if (!colors)
             single_block(s, &block, right + x, down + x, x, y, n);
-        }
         bool any = find_unused(flat, s, &block, n, counts);
         for (int32_t i = 0; any && i < n; i++) {
             if (flat[i])
