@@ -14,8 +14,11 @@ void ntp__filter(float *out, const float *in, ptrdiff_t stride, const float *tap
                  int32_t onto, int32_t n);
 
 #ifdef NTP_HAVE_AVX2
+enum { NTP__FILTER_LEAST = 8 };
+
+/* n is no less than that. */
 void ntp__filter_avx2(float *out, const float *in, ptrdiff_t stride, const float *taps,
-                      int32_t count, int32_t n);
+                      int32_t count, int32_t onto, int32_t n);
 #endif
 
 #endif

@@ -6,11 +6,20 @@
 
 #include <immintrin.h>
 
-void ntp__filter_avx2(float *out, const float *in, ptrdiff_t stride, const float *taps,
-                      int32_t count, int32_t n)
+/* out[0..7] + the products of the taps */
+static inline __m256 sum_of(__m256 sum, const float *const *row, const float *tap, int32_t used,
+                            ptrdiff_t i)
 {
-    enum { LANES = 8 };
-    const __m256i place = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    for (int32_t k = 0; k < used; k++)
+        sum = _mm256_add_ps(
+            sum, _mm256_mul_ps(_mm256_broadcast_ss(tap + k), _mm256_loadu_ps(row[k] + i)));
+    return sum;
+}
+
+void ntp__filter_avx2(float *out, const float *in, ptrdiff_t stride, const float *taps,
+                      int32_t count, int32_t onto, int32_t n)
+{
+    enum { LANES = NTP__FILTER_LEAST };
     const float *row[LANES];
     float tap[LANES];
     int32_t used = 0, i = 0;
@@ -19,9 +28,16 @@ void ntp__filter_avx2(float *out, const float *in, ptrdiff_t stride, const float
         tap[used] = taps[k];
         used += taps[k] != 0;
     }
+    /* The last lanes may overlap those before, which are the same both times. */
+    const __m256 zero = _mm256_setzero_ps(), last = onto ? _mm256_loadu_ps(out + n - LANES) : zero;
     for (; i + 4 * LANES <= n; i += 4 * LANES) {
-        __m256 a = _mm256_loadu_ps(out + i), b = _mm256_loadu_ps(out + i + LANES);
-        __m256 c = _mm256_loadu_ps(out + i + 2 * LANES), d = _mm256_loadu_ps(out + i + 3 * LANES);
+        __m256 a = zero, b = zero, c = zero, d = zero;
+        if (onto) {
+            a = _mm256_loadu_ps(out + i);
+            b = _mm256_loadu_ps(out + i + LANES);
+            c = _mm256_loadu_ps(out + i + 2 * LANES);
+            d = _mm256_loadu_ps(out + i + 3 * LANES);
+        }
         for (int32_t k = 0; k < used; k++) {
             const __m256 weight = _mm256_broadcast_ss(tap + k);
             const float *at = row[k] + i;
@@ -35,13 +51,8 @@ void ntp__filter_avx2(float *out, const float *in, ptrdiff_t stride, const float
         _mm256_storeu_ps(out + i + 2 * LANES, c);
         _mm256_storeu_ps(out + i + 3 * LANES, d);
     }
-    for (; i < n; i += LANES) {
-        const __m256i mask = _mm256_cmpgt_epi32(_mm256_set1_epi32(n - i), place);
-        __m256 sum = _mm256_maskload_ps(out + i, mask);
-        for (int32_t k = 0; k < used; k++) {
-            const __m256 some = _mm256_maskload_ps(row[k] + i, mask);
-            sum = _mm256_add_ps(sum, _mm256_mul_ps(_mm256_broadcast_ss(tap + k), some));
-        }
-        _mm256_maskstore_ps(out + i, mask, sum);
-    }
+    for (; i + LANES <= n; i += LANES)
+        _mm256_storeu_ps(out + i, sum_of(onto ? _mm256_loadu_ps(out + i) : zero, row, tap, used, i));
+    if (i < n)
+        _mm256_storeu_ps(out + n - LANES, sum_of(last, row, tap, used, n - LANES));
 }

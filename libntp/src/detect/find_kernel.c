@@ -30,28 +30,34 @@ enum {
     CANDIDATES = 7
 };
 
+enum { NARROW, ONE_SIDED, WIDE5, OF_SURFACE, DIFFERENCES };
+static const float DIFFERENCE[DIFFERENCES][TAPS] = {
+    [NARROW] = { 0, 0, -0.5F, 0, 0.5F, 0, 0 },
+    [ONE_SIDED] = { 0, 0, 0, -1, 1, 0, 0 },
+    [WIDE5] = { 0, -0.1F, -0.2F, 0, 0.2F, 0.1F, 0 },
+    /* the derivative of a smooth surface, from samples at seven texels */
+    [OF_SURFACE] = { -1 / 60.0F, 9 / 60.0F, -45 / 60.0F, 0, 45 / 60.0F, -9 / 60.0F, 1 / 60.0F },
+};
+
+enum { NO_MEAN, EVEN3, BINOMIAL3, FLAT3, EVEN5, MEANS };
+static const float MEAN[MEANS][TAPS] = {
+    [NO_MEAN] = { 0, 0, 0, 1, 0, 0, 0 },
+    [EVEN3] = { 0, 0, 1 / 3.0F, 1 / 3.0F, 1 / 3.0F, 0, 0 },
+    [BINOMIAL3] = { 0, 0, 0.25F, 0.5F, 0.25F, 0, 0 },
+    [FLAT3] = { 0, 0, 0.1875F, 0.625F, 0.1875F, 0, 0 },
+    [EVEN5] = { 0, 0.2F, 0.2F, 0.2F, 0.2F, 0.2F, 0 },
+};
+
 /* Sobel 5 x 5 is Sobel 3 x 3 of a blurred heightfield, so nothing tells the two apart.  The kernels
  * of the old plug-in are no products of D and S. */
 static const struct candidate {
     ntp_kernel kernel;
-    float difference[TAPS], mean[TAPS];
+    int32_t difference, mean;
 } CANDIDATE[CANDIDATES] = {
-    { NTP_KERNEL_CENTRAL, { 0, 0, -0.5F, 0, 0.5F, 0, 0 }, { 0, 0, 0, 1, 0, 0, 0 } },
-    { NTP_KERNEL_FORWARD, { 0, 0, 0, -1, 1, 0, 0 }, { 0, 0, 0, 1, 0, 0, 0 } },
-    { NTP_KERNEL_PREWITT3,
-      { 0, 0, -0.5F, 0, 0.5F, 0, 0 },
-      { 0, 0, 1 / 3.0F, 1 / 3.0F, 1 / 3.0F, 0, 0 } },
-    { NTP_KERNEL_SOBEL3, { 0, 0, -0.5F, 0, 0.5F, 0, 0 }, { 0, 0, 0.25F, 0.5F, 0.25F, 0, 0 } },
-    { NTP_KERNEL_SCHARR3,
-      { 0, 0, -0.5F, 0, 0.5F, 0, 0 },
-      { 0, 0, 0.1875F, 0.625F, 0.1875F, 0, 0 } },
-    { NTP_KERNEL_PREWITT5,
-      { 0, -0.1F, -0.2F, 0, 0.2F, 0.1F, 0 },
-      { 0, 0.2F, 0.2F, 0.2F, 0.2F, 0.2F, 0 } },
-    /* the derivative of a smooth surface, from samples at seven texels */
-    { NTP_KERNEL_BAKED,
-      { -1 / 60.0F, 9 / 60.0F, -45 / 60.0F, 0, 45 / 60.0F, -9 / 60.0F, 1 / 60.0F },
-      { 0, 0, 0, 1, 0, 0, 0 } },
+    { NTP_KERNEL_CENTRAL, NARROW, NO_MEAN },     { NTP_KERNEL_FORWARD, ONE_SIDED, NO_MEAN },
+    { NTP_KERNEL_PREWITT3, NARROW, EVEN3 },      { NTP_KERNEL_SOBEL3, NARROW, BINOMIAL3 },
+    { NTP_KERNEL_SCHARR3, NARROW, FLAT3 },       { NTP_KERNEL_PREWITT5, WIDE5, EVEN5 },
+    { NTP_KERNEL_BAKED, OF_SURFACE, NO_MEAN },
 };
 
 /* Central differences of heights that a binomial has blurred show whether there is anything to
@@ -158,12 +164,6 @@ static void across(float *out, const float *in, const float taps[TAPS], bool ont
     ntp__filter(out, in, 1, taps, TAPS, onto, n);
 }
 
-static void negated(float out[TAPS], const float taps[TAPS])
-{
-    for (int32_t k = 0; k < TAPS; k++)
-        out[k] = -taps[k];
-}
-
 static void squared(float out[TAPS], const float taps[TAPS])
 {
     for (int32_t k = 0; k < TAPS; k++)
@@ -185,23 +185,42 @@ static int32_t find_points(int32_t worth[WORTH], const rows *at, float level, in
     return count;
 }
 
-static void try_candidate(double *sum, const struct candidate *c, const rows *at,
-                          const int32_t worth[WORTH], int32_t from, int32_t n)
+/* The rows of a stretch, filtered down the picture.  Candidates share them. */
+typedef struct filtered {
+    float p[DIFFERENCES][WIDE], q[MEANS][WIDE];
+    float p_noise[DIFFERENCES][WIDE], q_noise[MEANS][WIDE];
+} filtered;
+
+/* n: of columns from column `from` on. */
+static void filter_down(filtered *to, const rows *at, int32_t from, int32_t n)
 {
-    float line[WIDE], e[WIDE] = { 0 }, expected[WIDE] = { 0 };
+    float taps2[TAPS];
+    for (int32_t d = 0; d < DIFFERENCES; d++) {
+        squared(taps2, DIFFERENCE[d]);
+        down(to->p[d], at->p, DIFFERENCE[d], from, n);
+        down(to->p_noise[d], at->p_noise, taps2, from, n);
+    }
+    for (int32_t s = 0; s < MEANS; s++) {
+        squared(taps2, MEAN[s]);
+        down(to->q[s], at->q, MEAN[s], from, n);
+        down(to->q_noise[s], at->q_noise, taps2, from, n);
+    }
+}
+
+static void try_candidate(double *sum, const struct candidate *c, const filtered *at,
+                          const int32_t *worth, int32_t n)
+{
+    float e[WIDE] = { 0 }, expected[WIDE] = { 0 };
     float minus[TAPS], difference2[TAPS], mean2[TAPS];
-    negated(minus, c->difference);
-    squared(difference2, c->difference);
-    squared(mean2, c->mean);
-    down(line, at->p, c->difference, from, n + 2 * REACH);
-    across(e, line, c->mean, false, n);
-    down(line, at->q, c->mean, from, n + 2 * REACH);
-    across(e, line, minus, true, n);
-    down(line, at->p_noise, difference2, from, n + 2 * REACH);
-    across(expected, line, mean2, false, n);
-    down(line, at->q_noise, mean2, from, n + 2 * REACH);
-    across(expected, line, difference2, true, n);
-    *sum += sum_squares(e, expected, worth + from, n);
+    for (int32_t k = 0; k < TAPS; k++)
+        minus[k] = -DIFFERENCE[c->difference][k];
+    squared(difference2, DIFFERENCE[c->difference]);
+    squared(mean2, MEAN[c->mean]);
+    across(e, at->p[c->difference], MEAN[c->mean], false, n);
+    across(e, at->q[c->mean], minus, true, n);
+    across(expected, at->p_noise[c->difference], mean2, false, n);
+    across(expected, at->q_noise[c->mean], difference2, true, n);
+    *sum += sum_squares(e, expected, worth, n);
 }
 
 /* Adds the points x..x + n - 1 of row y. */
@@ -209,6 +228,7 @@ static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int
                         int32_t n)
 {
     rows at;
+    filtered lines;
     ntp__block block;
     int32_t worth[WORTH] = { 0 };
     int32_t texels = n + 2 * REACH;
@@ -229,8 +249,10 @@ static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int
     s->points += (uint64_t) count;
     for (int32_t k = 0; k < TAPS; k++)
         to_noise(&at, k, level, texels);
+    n = last - first + 1;
+    filter_down(&lines, &at, first, n + 2 * REACH);
     for (int32_t i = 0; i < CANDIDATES; i++)
-        try_candidate(&s->square[i], &CANDIDATE[i], &at, worth, first, last - first + 1);
+        try_candidate(&s->square[i], &CANDIDATE[i], &lines, worth + first, n);
 }
 
 /* A step near the golden section of `count`.  It visits all rows, each far from the last. */
