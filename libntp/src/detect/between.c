@@ -18,24 +18,25 @@
  */
 #include "detect/between.h"
 
+#include "base/cpu.h"
+#include "detect/between_loops_tmpl.h"
 #include "detect/filter.h"
 #include "texel/level.h"
 #include "texel/unused.h"
 
-#include <math.h>
 #include <string.h>
 
 enum {
-    POINTS = 32, /* a side of a patch */
+    POINTS = BETWEEN_POINTS,
     PATCHES = 8, /* along a side of the picture */
-    CELL = 8,    /* a side of what is weighed as one */
+    CELL = BETWEEN_CELL,
     CELLS = (POINTS / CELL) * (POINTS / CELL),
-    MOVED = POINTS + 2, /* with a texel more on every side */
+    MOVED = BETWEEN_MOVED,
     SMOOTH = 5,
     STEEP = SMOOTH + 2,
-    SIDE = MOVED + STEEP - 1,
+    SIDE = BETWEEN_SIDE, /* MOVED + STEEP - 1 */
     REACH = (SIDE - POINTS) / 2,
-    WIDE = 2,  /* a step on smooth ground */
+    WIDE = BETWEEN_STEP, /* on smooth ground */
     BORDER = 2 /* slopes nearer to an edge may come from a border */
 };
 
@@ -69,31 +70,30 @@ typedef struct tally {
     double ahead, rise, both, square;
 } tally;
 
+static void sum_slopes(float *p, float *q, const ntp__block *b, int32_t m, float sign, int32_t step)
+{
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__sum_slopes_avx2(p, q, b, m, sign, step);
+        return;
+    }
+#endif
+    ntp__sum_slopes(p, q, b, m, sign, step);
+}
+
 /* Reads the slopes around the points, from (x, y) on, as sums of step x step texels; false: some texels
  * may hold no normal. */
 static bool read_patch(patch *a, const ntp_const_image *src, int32_t x, int32_t y, int32_t step)
 {
     int32_t m = ntp__max(src->type), side = SIDE * step;
-    float m2 = (float) m * (float) m, least = m2 / 100, sign = src->y == NTP_Y_UP ? 1 : -1;
+    float sign = src->y == NTP_Y_UP ? 1 : -1;
     memset(a->p, 0, sizeof a->p);
     memset(a->q, 0, sizeof a->q);
     for (int32_t j = 0; j < side; j++) {
-        float p[WIDE * SIDE], q[WIDE * SIDE];
         ntp__unpack(&a->block, src, x, y + j, side);
         if (ntp__any_suspect(&a->block, side, m))
             return false;
-        for (int32_t i = 0; i < side; i++) {
-            float u = (float) (2 * a->block.c[0][i] - m), v = (float) (2 * a->block.c[1][i] - m);
-            float rest = m2 - u * u - v * v, z = sqrtf(rest < least ? least : rest);
-            p[i] = u / z;
-            q[i] = sign * v / z;
-        }
-        for (int32_t k = 0; k < step; k++) {
-            for (int32_t i = 0; i < SIDE; i++) {
-                a->p[j / step][i] -= p[i * step + k];
-                a->q[j / step][i] += q[i * step + k];
-            }
-        }
+        sum_slopes(a->p[j / step], a->q[j / step], &a->block, m, sign, step);
     }
     return true;
 }
@@ -115,25 +115,19 @@ static void differentiate(patch *a)
 /* Adds CELL rows of points to the cells beside each other. */
 static void sum_up(tally *cells, const patch *a, int32_t first)
 {
-    float ahead[POINTS] = { 0 }, rise[POINTS] = { 0 }, both[POINTS] = { 0 }, square[POINTS] = { 0 };
-    for (int32_t j = first; j < first + CELL; j++) {
-        const float *u = a->u[j + 1] + 1, *v = a->v[j + 1] + 1;
-        const float *up_u = a->u[j] + 2, *up_v = a->v[j] + 2; /* to the right and up */
-        const float *down_u = a->u[j + 2], *down_v = a->v[j + 2];
-        for (int32_t i = 0; i < POINTS; i++) {
-            float by_u = up_u[i] - down_u[i], by_v = up_v[i] - down_v[i];
-            ahead[i] += 2 * (u[i] - v[i]) * (by_u + by_v);
-            rise[i] += by_u * by_v;
-            both[i] += down_u[i] * v[i] + u[i] * down_v[i];
-            square[i] += u[i] * u[i] + v[i] * v[i];
-        }
-    }
+    ntp__products sums;
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL))
+        ntp__sum_products_avx2(&sums, a->u + first, a->v + first);
+    else
+#endif
+        ntp__sum_products(&sums, a->u + first, a->v + first);
     for (int32_t i = 0; i < POINTS; i++) {
         tally *t = &cells[i / CELL];
-        t->ahead += (double) ahead[i];
-        t->rise += (double) rise[i];
-        t->both += (double) both[i];
-        t->square += (double) square[i];
+        t->ahead += (double) sums.ahead[i];
+        t->rise += (double) sums.rise[i];
+        t->both += (double) sums.both[i];
+        t->square += (double) sums.square[i];
     }
 }
 

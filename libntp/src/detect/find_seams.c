@@ -135,7 +135,7 @@ static inline void means_of(double before[WINDOWS], double after[WINDOWS], const
 }
 
 /* Adds the squares of how far the means of slopes before and after p, q are apart. */
-static inline void add_differences(double sum[WINDOWS], double after[2][WINDOWS], const double *p,
+static void add_differences(double sum[WINDOWS], double after[2][WINDOWS], const double *p,
                             const double *q)
 {
     double before[2][WINDOWS];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * kernel_loops_tmpl.h - the loops of find_kernel.c over texels; compiled for AVX2 too (slopes_avx2.c)
+ * kernel_loops_tmpl.h - the loops of find_kernel.c over texels; compiled for AVX2 too (loops_avx2.c)
  */
 #ifndef NTP_KERNEL_LOOPS_TMPL_H
 #define NTP_KERNEL_LOOPS_TMPL_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * line_loops_tmpl.h - the loops of find_seams.c over texels; compiled for AVX2 too (slopes_avx2.c)
+ * line_loops_tmpl.h - the loops of find_seams.c over texels; compiled for AVX2 too (loops_avx2.c)
  */
 #ifndef NTP_LINE_LOOPS_TMPL_H
 #define NTP_LINE_LOOPS_TMPL_H

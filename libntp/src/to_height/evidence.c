@@ -55,24 +55,20 @@ static void add_neutral(evidence *e, const ntp__block *b, int32_t n)
  * numbers are integers below 2^53. */
 static void add_tilted(evidence *e, const double *z, const double *rest, bool zzero, int32_t n)
 {
-    double some[LANES] = { 0 }, derived[LANES] = { 0 }, too_long[LANES] = { 0 };
-    const double scale = zzero ? 2 : 1, most_rest = e->most_rest;
-    for (int32_t i = 0; i < n; i += LANES) {
-        for (int32_t k = 0; k < LANES; k++) {
-            double v = rest[i + k], scaled = v * scale * scale;
-            double low = z[i + k] * scale - 1, high = low + 2;
-            double in = v < 0 ? 0 : v < most_rest ? 1 : 0;
-            double below = low < 0 ? 0 : low * low <= scaled ? in : 0;
-            some[k] += in;
-            derived[k] += scaled < high * high ? below : 0;
-            too_long[k] += v < 0 ? 1 : 0;
-        }
+    const double scale = zzero ? 2 : 1;
+    int32_t tilted = 0, derived = 0, too_long = 0;
+    for (int32_t i = 0; i < n; i++) {
+        double v = rest[i], low = z[i] * scale - 1, high = low + 2;
+        if (!(v < e->most_rest))
+            continue;
+        too_long += v < 0;
+        tilted += v >= 0;
+        v *= scale * scale;
+        derived += (low >= 0) & (low * low <= v) & (v < high * high);
     }
-    for (int32_t k = 0; k < LANES; k++) {
-        e->tilted += some[k];
-        e->derived += derived[k];
-        e->too_long += too_long[k];
-    }
+    e->tilted += tilted;
+    e->derived += derived;
+    e->too_long += too_long;
 }
 
 /* Some encoders store 0 as -1. */
@@ -150,11 +146,8 @@ static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero,
     e->all += n;
     if (low.z < -1)
         add_negative(e, z, unit, n);
-    if (!(low.rest < e->most_rest))
-        return;
-    for (int32_t i = n; i < filled; i++) /* not tilted */
-        rest[i] = 4 * square;
-    add_tilted(e, z, rest, zzero, filled);
+    if (low.rest < e->most_rest)
+        add_tilted(e, z, rest, zzero, n);
 }
 
 /* The errors of lengths by a rule. */
