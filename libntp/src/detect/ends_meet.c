@@ -17,6 +17,8 @@
  */
 #include "detect/ends_meet.h"
 
+#include "base/cpu.h"
+#include "detect/line_loops_tmpl.h"
 #include "to_height/decode.h"
 #include "to_height/shared/slopes.h"
 
@@ -29,7 +31,8 @@ enum {
     MOST_TEXELS = 1 << 18, /* of all lines; of longer ones half, which tell more each */
     LONG = 512,
     MOST_ASKED = 1 << 17, /* texels that tell how the solver reads them */
-    LEAST_LINES = 16,
+    LEAST_LINES = 16, /* and a power of 2 times that */
+    ABREAST = 4,      /* lines that are summed at once */
     END = 4,        /* texels at an end of a line whose mean height counts */
     BLOCK = 4,      /* a side of what block compression stores as one, in so many colors */
     BLOCKS = 16,    /* are looked at along each side */
@@ -101,17 +104,45 @@ static void start(lines *l, const ntp_const_image *src, const ntp__height_plan *
     l->lean = !down ? plan->lean[0] : src->y == NTP_Y_UP ? -plan->lean[1] : plan->lean[1];
 }
 
-/* The sum of the slopes along line y. */
-static double whole(lines *l, int32_t y)
+/* The sums of the slopes along ABREAST of `of` lines, from the one of this index on.  One sum would wait for
+ * itself. */
+static void whole(double sum[ABREAST], lines *l, int32_t index, int32_t of)
 {
-    double sum = 0;
+    float along[ABREAST][NTP__BLOCK];
+    for (int32_t k = 0; k < ABREAST; k++)
+        sum[k] = 0;
     for (int32_t x = 0; x < l->src.width; x += NTP__BLOCK) {
         int32_t n = l->src.width - x < NTP__BLOCK ? l->src.width - x : NTP__BLOCK;
-        read(l, x, y, n);
-        for (int32_t i = 0; i < n; i++)
-            sum += (double) l->along[i];
+        for (int32_t k = 0; k < ABREAST; k++) {
+            read(l, x, (int32_t) ((int64_t) (index + k) * l->src.height / of), n);
+            memcpy(along[k], l->along, (size_t) n * sizeof along[k][0]);
+        }
+        double a = sum[0], b = sum[1], c = sum[2], d = sum[3];
+        for (int32_t i = 0; i < n; i++) {
+            a += (double) along[0][i];
+            b += (double) along[1][i];
+            c += (double) along[2][i];
+            d += (double) along[3][i];
+        }
+        sum[0] = a;
+        sum[1] = b;
+        sum[2] = c;
+        sum[3] = d;
     }
-    return sum + l->lean * l->src.width;
+    for (int32_t k = 0; k < ABREAST; k++)
+        sum[k] += l->lean * l->src.width;
+}
+
+/* sum[i] += v[i] */
+static void add(double *sum, const float *v, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__add_floats_avx2(sum, v, n);
+        return;
+    }
+#endif
+    ntp__add_floats(sum, v, n);
 }
 
 /* The sums of the slopes along all lines, of which there are few; texel by texel, as each one is in a row
@@ -124,8 +155,7 @@ static void all_whole(double *sum, lines *turned, const lines *l)
         for (int32_t y = 0; y < l->src.height; y += NTP__BLOCK) {
             int32_t n = l->src.height - y < NTP__BLOCK ? l->src.height - y : NTP__BLOCK;
             read(turned, y, x, n);
-            for (int32_t i = 0; i < n; i++)
-                sum[y + i] += (double) turned->across[i];
+            add(sum + y, turned->across, n);
         }
     }
     for (int32_t i = 0; i < l->src.height; i++)
@@ -271,6 +301,8 @@ ntp__ends ntp__find_ends(ntp__reading *reading, const ntp_const_image *src,
     const bool dense = down && l.src.height <= 2 * n;
     if (dense)
         all_whole(all, &turned, &l);
+    for (int32_t k = 0; k < n && !dense; k += ABREAST)
+        whole(&step[k], &l, k, n);
     for (int32_t y = 0; next < n; y++) {
         const int32_t at = y % NTP__BLOCK, left = l.src.height - y;
         if (at == 0)
@@ -278,8 +310,8 @@ ntp__ends ntp__find_ends(ntp__reading *reading, const ntp_const_image *src,
         double here = over[at] / 2;
         sum += here;
         if (y == (int32_t) ((int64_t) next * l.src.height / n)) {
-            seen[next] = sum + beyond[at];
-            step[next++] = dense ? all[y] : whole(&l, y);
+            step[next] = dense ? all[y] : step[next];
+            seen[next++] = sum + beyond[at];
         }
         sum += here;
     }

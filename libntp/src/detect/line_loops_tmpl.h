@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * line_loops_tmpl.h - the loops of find_seams.c over texels; compiled for AVX2 too (loops_avx2.c)
+ * line_loops_tmpl.h - the loops of find_seams.c and ends_meet.c over texels; compiled for AVX2 too (loops_avx2.c)
  */
 #ifndef NTP_LINE_LOOPS_TMPL_H
 #define NTP_LINE_LOOPS_TMPL_H
@@ -46,7 +46,15 @@ static inline void ntp__line_steps(double *restrict step, double *restrict noise
     }
 }
 
+static inline void ntp__add_floats(double *restrict sum, const float *restrict v, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++)
+        sum[i] += (double) v[i];
+}
+
 #ifdef NTP_HAVE_AVX2
+void ntp__add_floats_avx2(double *sum, const float *v, int32_t n);
+
 /* The same of whole lanes: red and green change beyond n. */
 void ntp__line_slopes_avx2(ntp__line *l, int32_t along, int32_t m, int32_t n);
 void ntp__line_steps_avx2(ntp__line *l, int32_t n);

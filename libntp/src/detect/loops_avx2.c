@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * loops_avx2.c - the loops of find_kernel.c, find_seams.c and between.c with AVX2
+ * loops_avx2.c - the loops of find_kernel.c, find_seams.c, between.c and ends_meet.c with AVX2
  */
 #include "detect/between_loops_tmpl.h"
 #include "detect/kernel_loops_tmpl.h"
@@ -61,4 +61,9 @@ void ntp__sum_products_avx2(ntp__products *sums, const float (*u)[BETWEEN_MOVED]
                             const float (*v)[BETWEEN_MOVED])
 {
     ntp__sum_products(sums, u, v);
+}
+
+void ntp__add_floats_avx2(double *sum, const float *v, int32_t n)
+{
+    ntp__add_floats(sum, v, n);
 }
