@@ -183,24 +183,25 @@ static int32_t is_flat(int32_t level)
 }
 
 /* How well each rule explains the lengths of 8-bit texels.  Neutral ones tell nothing, and there can be
- * many.  No branch: which texels are kept nobody foresees. */
+ * many.  No branch: which texels are kept nobody foresees.  Those whose pair has all its votes are left out
+ * first, as each vote keeps the next one waiting. */
 static void add_rules(evidence *e, const ntp__block *b, int32_t n)
 {
-    int32_t c[3][NTP__BLOCK], kept[NTP__BLOCK], pair[NTP__BLOCK], sloped = 0, count = 0;
+    int32_t c[3][NTP__BLOCK], kept[NTP__BLOCK], pair[NTP__BLOCK], asked = 0, count = 0;
     double plain[NTP__BLOCK], sum = e->unorm.sum;
+    uint8_t *votes = e->votes;
     for (int32_t i = 0; i < whole(n); i++) {
         int32_t red = b->c[0][i], green = b->c[1][i];
         int32_t at = (green & VOTE_MASK) << VOTE_BITS | (red & VOTE_MASK);
-        pair[i] = is_flat(red) & is_flat(green) ? -1 : at;
+        pair[i] = is_flat(red) & is_flat(green) ? NEUTRAL_PAIR : at;
     }
     for (int32_t i = 0; i < n; i++) {
-        kept[sloped] = i;
-        sloped += pair[i] >= 0;
+        kept[asked] = i;
+        asked += votes[pair[i]] < MOST_VOTES;
     }
-    for (int32_t k = 0; k < sloped; k++) {
-        int32_t i = kept[k];
-        uint8_t *votes = &e->votes[pair[i]], more = *votes < MOST_VOTES;
-        *votes = (uint8_t) (*votes + more);
+    for (int32_t k = 0; k < asked; k++) {
+        int32_t i = kept[k], before = votes[pair[i]], more = before < MOST_VOTES;
+        votes[pair[i]] = (uint8_t) (before + more);
         kept[count] = i;
         count += more;
     }
@@ -240,6 +241,7 @@ void JOIN(ntp__gather_evidence_, NTP_ISA)(evidence *e, const ntp_const_image *sr
     ntp__block block;
     int32_t m = ntp__max(src->type), step = (src->height + ROWS - 1) / ROWS;
     bool zzero = src->encoding == NTP_ENCODING_ZZERO;
+    e->votes[NEUTRAL_PAIR] = MOST_VOTES;
     for (int32_t y = 0; y < src->height; y += step) {
         for (int32_t x = 0; x < src->width; x += NTP__BLOCK) {
             int32_t n = src->width - x < NTP__BLOCK ? src->width - x : NTP__BLOCK;

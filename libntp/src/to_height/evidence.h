@@ -16,7 +16,8 @@ enum {
      * million times.  So only a few of each pair vote.  Low bits of both stand for the pair. */
     MOST_VOTES = 8,
     VOTE_BITS = 6,
-    VOTE_MASK = (1 << VOTE_BITS) - 1
+    VOTE_MASK = (1 << VOTE_BITS) - 1,
+    NEUTRAL_PAIR = 1 << 2 * VOTE_BITS /* of all neutral texels, which have no vote */
 };
 
 typedef struct rule {
@@ -40,7 +41,7 @@ typedef struct evidence {
     double level;                     /* of green: texels at 128 */
     int32_t asked;                    /* so many texels were looked at for what follows */
     int32_t near[AROUND + 1][STRIDE]; /* by red and green: texels at each pair near zero */
-    uint8_t votes[1 << 2 * VOTE_BITS];
+    uint8_t votes[NEUTRAL_PAIR + 1];
 } evidence;
 
 /* Looks at up to 256 rows.  with_rules: also for what the levels mean. */
