@@ -15,6 +15,7 @@
 #ifndef NTP_DIRECT_H
 #define NTP_DIRECT_H
 
+#include "base/parts.h"
 #include "base/scratch.h"
 #include "to_height/shared/row_cache.h"
 #include "to_height/shared/slopes.h"
@@ -174,7 +175,7 @@ enum { NTP__EDGE_LINES = 3 }; /* lines whose slopes change */
 /* Fits the outermost texels at central, extrapolated borders again, with full weights; then sets
  * the range.  In whole images only. */
 void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__problem *p,
-                    ntp__scratch *memory, float range[2]);
+                    ntp__scratch *memory, const ntp__crew *crew, float range[2]);
 
 /* --------------------------------------------------------------------------------- whole */
 

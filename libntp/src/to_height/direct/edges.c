@@ -21,7 +21,8 @@ enum {
     LINES = DEEP - 1,   /* lines that are fitted */
     LEAST = DEEP + 1,   /* texels across, so that none of these lines is at the other edge */
     ARRAYS = 2 + 3 + 2, /* the right-hand sides, the factors, a row of slopes */
-    SIDES = 2           /* of an axis */
+    SIDES = 2,          /* of an axis */
+    STRIPS = 64         /* of heights, for threads */
 };
 
 /* The squares of slopes inward add up to these factors times (a + b)^2/2 and (a - b)^2/2. */
@@ -116,19 +117,24 @@ static void add_texel(edge *e, int32_t depth, int32_t i, double right, double do
         add_along(e, depth, i, e->is_column ? down : right);
 }
 
+/* Columns are read as rows of the turned texture, a stretch at a time. */
 static void add_column(edge *e)
 {
     int32_t left = e->far ? e->dst->width - DEEP : 0;
+    double right[DEEP][NTP__BLOCK], down[DEEP][NTP__BLOCK];
     ntp__slopes part = *e->slopes;
-    ntp_const_image columns = *e->slopes->src;
-    columns.data = ntp__at(e->slopes->src, left, 0);
-    columns.width = DEEP;
+    ntp_const_image columns = ntp__transposed(e->slopes->src);
+    const ntp_const_image turned = columns;
     part.src = &columns;
-    for (int32_t y = 0; y < e->along->n; y++) {
-        double right[DEEP] = { 0 }, down[DEEP] = { 0 };
-        ntp__slopes_row(&part, right, down, y, NULL);
+    for (int32_t y = 0; y < e->along->n; y += NTP__BLOCK) {
+        columns.data = ntp__at(&turned, y, left);
+        columns.width = e->along->n - y < NTP__BLOCK ? e->along->n - y : NTP__BLOCK;
         for (int32_t i = 0; i < DEEP; i++)
-            add_texel(e, e->far ? DEEP - 1 - i : i, y, right[i], down[i]);
+            ntp__slopes_row(&part, right[i], down[i], i, NULL);
+        for (int32_t k = 0; k < columns.width; k++) {
+            for (int32_t i = 0; i < DEEP; i++)
+                add_texel(e, e->far ? DEEP - 1 - i : i, y + k, right[i][k], down[i][k]);
+        }
     }
 }
 
@@ -255,21 +261,44 @@ static double fit(edge *e)
 /* ---------------------------------------------------------------------------------- whole */
 
 /* Subtracts the mean, and finds the range. */
-static void settle(const ntp_image *dst, float mean, float range[2])
+typedef struct settling {
+    const ntp_image *dst;
+    float mean;
+    int32_t rows; /* of a strip */
+    float range[STRIPS][2];
+} settling;
+
+static void settle_strip(void *job, int32_t part, int32_t strip)
 {
     const ntp__solver_kernels *kernels = ntp__solver_kernels_for(NTP__CPU_ALL);
+    settling *s = job;
+    const int32_t first = strip * s->rows, rest = s->dst->height - first;
+    float *range = s->range[strip];
+    (void) part;
     range[0] = FLT_MAX;
     range[1] = -FLT_MAX;
-    for (int32_t y = 0; y < dst->height; y++) {
-        float *row = ntp__at_mut(dst, 0, y);
-        for (int32_t x = 0; x < dst->width; x++)
-            row[x] -= mean;
-        kernels->range(range, row, dst->width);
+    for (int32_t y = 0; y < s->rows && y < rest; y++) {
+        float *row = ntp__at_mut(s->dst, 0, first + y);
+        for (int32_t x = 0; x < s->dst->width; x++)
+            row[x] -= s->mean;
+        kernels->range(range, row, s->dst->width);
+    }
+}
+
+static void settle(const ntp_image *dst, float mean, const ntp__crew *crew, float range[2])
+{
+    settling s = { .dst = dst, .mean = mean, .rows = (dst->height + STRIPS - 1) / STRIPS };
+    ntp__crew_each(crew, settle_strip, &s, STRIPS);
+    range[0] = FLT_MAX;
+    range[1] = -FLT_MAX;
+    for (int32_t i = 0; i < STRIPS; i++) {
+        range[0] = s.range[i][0] < range[0] ? s.range[i][0] : range[0];
+        range[1] = s.range[i][1] > range[1] ? s.range[i][1] : range[1];
     }
 }
 
 void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__problem *p,
-                    ntp__scratch *memory, float range[2])
+                    ntp__scratch *memory, const ntp__crew *crew, float range[2])
 {
     double *arrays[ARRAYS], change = 0;
     if (!wanted(&p->along) && !wanted(&p->down))
@@ -300,5 +329,5 @@ void ntp__edges_fit(const ntp_image *dst, const ntp__slopes *slopes, const ntp__
         if (wanted(inward))
             change += fit(&e);
     }
-    settle(dst, (float) (change / ((double) dst->width * dst->height)), range);
+    settle(dst, (float) (change / ((double) dst->width * dst->height)), crew, range);
 }

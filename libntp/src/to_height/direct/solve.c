@@ -359,7 +359,7 @@ static size_t scratch_of(const ntp__height_plan *plan, int32_t parts)
     ntp__problem_init(&j.problem, plan, NTP_TYPE_F32);
     j.crew.parts = parts;
     lay_out(&j, &solution, NULL);
-    ntp__edges_fit(NULL, NULL, &j.problem, &after, NULL);
+    ntp__edges_fit(NULL, NULL, &j.problem, &after, NULL, NULL);
     return solution.used > after.used ? solution.used : after.used;
 }
 
@@ -400,7 +400,7 @@ ntp_status ntp__direct_solve(const ntp_image *dst, const ntp__slopes *slopes,
     lay_out(&j, &solution, slopes);
     NTP__TRY(least_squares(&j));
     add_counts(&j, counts);
-    ntp__edges_fit(dst, slopes, &j.problem, &after, counts->range);
+    ntp__edges_fit(dst, slopes, &j.problem, &after, &j.crew, counts->range);
     return NTP_OK;
 }
 
