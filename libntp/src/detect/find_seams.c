@@ -19,9 +19,8 @@
 enum {
     MOST_LINES = 128,
     LEAST_TEXELS = 16, /* of a line; and the least number of lines */
-    WINDOWS = 3,       /* means of 1, 2 and 4 slopes on each side */
-    WIDEST = 4,
-    PLACES = 8 /* from place to place: edges of the blocks of JPEG, as the seam is one */
+    WINDOWS = NTP__WINDOWS,
+    WIDEST = NTP__WIDEST
 };
 
 /* Closure as a share of the height differences within a line. */
@@ -59,10 +58,8 @@ typedef struct axis_sums {
     double jump, inside; /* step at the seam; mean of the steps inside */
     double rank;         /* share of steps inside that are larger */
     int32_t largest;     /* lines in which no step inside is larger */
-    /* for each window: squares of differences at the seam and inside; sums of means and of their
-     * squares */
-    double seam[WINDOWS], within[WINDOWS], mean[WINDOWS][2], mean2[WINDOWS];
-    double places;        /* inside */
+    double seam[WINDOWS];   /* for each window, squares of differences at the seam */
+    ntp__windows windows;   /* and inside */
     int32_t lines, asked; /* lines used, and lines looked at */
 } axis_sums;
 
@@ -88,15 +85,16 @@ static void read_line(ntp__line *l, const ntp_const_image *src, uint32_t touch, 
     }
 }
 
-static void find_steps(ntp__line *l, int32_t n)
+static void sum_up(ntp__line_sums *sums, ntp__windows *windows, ntp__line *l, bool first,
+                   double jump, int32_t n)
 {
 #ifdef NTP_HAVE_AVX2
     if (ntp__cpu_has_avx2(NTP__CPU_ALL)) {
-        ntp__line_steps_avx2(l, n);
+        ntp__sum_line_avx2(sums, windows, l, first, jump, n);
         return;
     }
 #endif
-    ntp__line_steps(l->step, l->noise, l->p, l->q, n);
+    ntp__sum_line(sums, windows, l, first, jump, n);
 }
 
 static double size(double v)
@@ -123,51 +121,13 @@ static bool read_ends(ends *e, ntp__line *l, const ntp_const_image *src, uint32_
     return true;
 }
 
-/* Means of 1, 2 and 4 slopes before v and from v on. */
-static inline void means_of(double before[WINDOWS], double after[WINDOWS], const double *v)
-{
-    before[0] = v[-1];
-    before[1] = (v[-2] + v[-1]) / 2;
-    before[2] = (v[-4] + v[-3] + v[-2] + v[-1]) / 4;
-    after[0] = v[0];
-    after[1] = (v[0] + v[1]) / 2;
-    after[2] = (v[0] + v[1] + v[2] + v[3]) / 4;
-}
-
-/* Adds the squares of how far the means of slopes before and after p, q are apart. */
-static void add_differences(double sum[WINDOWS], double after[2][WINDOWS], const double *p,
-                            const double *q)
-{
-    double before[2][WINDOWS];
-    means_of(before[0], after[0], p);
-    means_of(before[1], after[1], q);
-    for (int32_t k = 0; k < WINDOWS; k++) {
-        double x = after[0][k] - before[0][k], y = after[1][k] - before[1][k];
-        sum[k] += x * x + y * y;
-    }
-}
-
-static void add_windows(axis_sums *s, const ntp__line *l, int32_t n)
-{
-    double mean[2][WINDOWS];
-    for (int32_t i = PLACES; i + WIDEST <= n; i += PLACES) {
-        s->places++;
-        add_differences(s->within, mean, l->p + 1 + i, l->q + 1 + i);
-        for (int32_t k = 0; k < WINDOWS; k++) {
-            double x = mean[0][k], y = mean[1][k];
-            s->mean[k][0] += x;
-            s->mean[k][1] += y;
-            s->mean2[k] += x * x + y * y;
-        }
-    }
-}
-
 /* Do slopes go on across the seam as inside? */
 static bool continues(const axis_sums *s)
 {
-    for (int32_t k = 0; k < WINDOWS && s->places > 0; k++) {
-        double n = s->places, x = s->mean[k][0] / n, y = s->mean[k][1] / n;
-        double inside = s->within[k] / n, apart = 2 * (s->mean2[k] / n - x * x - y * y);
+    const ntp__windows *w = &s->windows;
+    for (int32_t k = 0; k < WINDOWS && w->places > 0; k++) {
+        double n = w->places, x = w->mean[k][0] / n, y = w->mean[k][1] / n;
+        double inside = w->within[k] / n, apart = 2 * (w->mean2[k] / n - x * x - y * y);
         if (inside <= MOST_INSIDE * apart && s->seam[k] / s->lines <= MOST_SEAM * inside)
             return true;
     }
@@ -180,10 +140,9 @@ static void add_line(axis_sums *s, ntp__line *l, const ntp_const_image *src, uin
                      int32_t along, int32_t y)
 {
     ends e;
-    double height = 0, sum = 0, sum2 = 0, inside = 0, noise = 0;
+    ntp__line_sums sums = { 0 };
     double level = 2.0 / ntp__max(src->type), mean[2][WINDOWS];
     int32_t w = src->width;
-    int64_t larger = 0; /* larger steps count 2, steps as large as the seam 1 */
     s->asked++;
     if (!read_ends(&e, l, src, touch, along, y))
         return;
@@ -193,29 +152,17 @@ static void add_line(axis_sums *s, ntp__line *l, const ntp_const_image *src, uin
         l->p[0] = x > 0 ? l->p[NTP__BLOCK] : 0; /* the last of the stretch before */
         l->q[0] = x > 0 ? l->q[NTP__BLOCK] : 0;
         read_line(l, src, touch, along, x, y, n);
-        find_steps(l, n);
-        add_windows(s, l, n);
-        for (int32_t i = x == 0 ? 1 : 0; i < n; i++)
-            larger += (l->step[i] > jump) + (l->step[i] >= jump);
-        if (x == 0)
-            l->step[0] = 0; /* there is none before the first texel */
-        for (int32_t i = 0; i < n; i++) {
-            height += l->p[i + 1];
-            sum += height;
-            sum2 += height * height;
-            noise += l->noise[i];
-            inside += l->step[i];
-        }
+        sum_up(&sums, &s->windows, l, x == 0, jump, n);
     }
-    add_differences(s->seam, mean, e.p + WIDEST, e.q + WIDEST);
-    s->full += height;
-    s->full2 += height * height;
-    s->variance += sum2 / w - sum / w * (sum / w);
-    s->noise += noise * level * level / 12;
+    ntp__add_differences(s->seam, mean, e.p + WIDEST, e.q + WIDEST);
+    s->full += sums.height;
+    s->full2 += sums.height * sums.height;
+    s->variance += sums.sum2 / w - sums.sum / w * (sums.sum / w);
+    s->noise += sums.noise * level * level / 12;
     s->jump += jump;
-    s->inside += inside / (w - 1);
-    s->rank += 0.5 * (double) larger / (w - 1);
-    s->largest += larger < 2;
+    s->inside += sums.inside / (w - 1);
+    s->rank += 0.5 * (double) sums.larger / (w - 1);
+    s->largest += sums.larger < 2;
     s->lines++;
 }
 

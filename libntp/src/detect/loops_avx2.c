@@ -43,9 +43,10 @@ void ntp__line_slopes_avx2(ntp__line *l, int32_t along, int32_t m, int32_t n)
     ntp__line_slopes(l->p + 1, l->q + 1, b->c[along], b->c[1 - along], m, filled);
 }
 
-void ntp__line_steps_avx2(ntp__line *l, int32_t n)
+void ntp__sum_line_avx2(ntp__line_sums *sums, ntp__windows *windows, ntp__line *l, bool first,
+                        double jump, int32_t n)
 {
-    ntp__line_steps(l->step, l->noise, l->p, l->q, (n + 7) & -8);
+    ntp__sum_line(sums, windows, l, first, jump, n);
 }
 
 void ntp__sum_slopes_avx2(float *p_sum, float *q_sum, const ntp__block *b, int32_t m, float sign,
