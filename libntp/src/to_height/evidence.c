@@ -82,19 +82,14 @@ static void add_negative(evidence *e, const double *z, double unit, int32_t n)
     }
 }
 
-/* What sums leave open: the least z, and the least of the rests. */
-typedef struct least {
-    double z, rest;
-} least;
-
-/* Sums of z^2 and 1 - x^2 - y^2.  Several sums of each run side by side, which compilers vectorize. */
-static least add_squares(evidence *e, const double *z, const double *rest, double unit, int32_t n)
+/* Sums of z^2 and 1 - x^2 - y^2.  Several sums of each run side by side, which compilers vectorize.  Returns
+ * how many texels are negative or tilted. */
+static double add_squares(evidence *e, const double *z, const double *rest, double unit, int32_t n)
 {
     double off2[LANES] = { 0 }, longer[LANES] = { 0 }, one[LANES] = { 0 }, one2[LANES] = { 0 };
     double two[LANES] = { 0 }, two2[LANES] = { 0 }, both[LANES] = { 0 }, right[LANES] = { 0 };
-    double low[LANES] = { 0 }, low_rest[LANES] = { e->most_rest, e->most_rest, e->most_rest,
-                                                   e->most_rest };
-    const double most_off = e->most_off;
+    double special[LANES] = { 0 };
+    const double most_off = e->most_off, most_rest = e->most_rest;
     for (int32_t i = 0; i < n; i += LANES) {
         for (int32_t k = 0; k < LANES; k++) {
             double w = z[i + k], z2 = w * w, r = rest[i + k];
@@ -107,11 +102,9 @@ static least add_squares(evidence *e, const double *z, const double *rest, doubl
             two[k] += v;
             two2[k] += v * v;
             both[k] += u * v;
-            low[k] = w < low[k] ? w : low[k];
-            low_rest[k] = r < low_rest[k] ? r : low_rest[k];
+            special[k] += w < -1 ? 1 : r < most_rest ? 1 : 0;
         }
     }
-    least all = { low[0], low_rest[0] };
     for (int32_t k = 0; k < LANES; k++) {
         e->lengths += off2[k];
         e->longer += longer[k];
@@ -121,10 +114,8 @@ static least add_squares(evidence *e, const double *z, const double *rest, doubl
         e->z2 += two[k];
         e->z4 += two2[k];
         e->both += both[k];
-        all.z = low[k] < all.z ? low[k] : all.z;
-        all.rest = low_rest[k] < all.rest ? low_rest[k] : all.rest;
     }
-    return all;
+    return special[0] + special[1] + special[2] + special[3];
 }
 
 /* What x, y and z tell together.  In units of a half level they are integers, which doubles hold,
@@ -141,13 +132,13 @@ static void add_lengths(evidence *e, const ntp__block *b, int32_t m, bool zzero,
     }
     for (int32_t i = n; i < filled; i++)
         rest[i] = z[i] = 0;
-    const least low = add_squares(e, z, rest, unit, filled);
+    const double special = add_squares(e, z, rest, unit, filled);
     e->right -= filled - n; /* of which no length is off */
     e->all += n;
-    if (low.z < -1)
+    if (special > 0) {
         add_negative(e, z, unit, n);
-    if (low.rest < e->most_rest)
         add_tilted(e, z, rest, zzero, n);
+    }
 }
 
 /* The errors of lengths by a rule. */
