@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * test_evidence.c - what texels say about levels does not depend on how they lie in rows, so that no
- * row counts more or fewer than it has.  test_instruction_sets.c compares heights with and without AVX2.
+ * row counts more or fewer than it has; nor on the instruction set.
  */
-#include "to_height/evidence.h"
-
+#include "base/cpu.h"
 #include "guarded.h"
+#include "to_height/evidence.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +20,8 @@ static int32_t random_below(int32_t n)
     return (int32_t) ((state >> 8) % (uint32_t) n);
 }
 
-static void gather(evidence *e, const uint8_t *texels, int32_t width)
+static void gather_by(ntp__gather_evidence_fn *by, evidence *e, const uint8_t *texels,
+                      int32_t width)
 {
     ntp_image view =
         ntp_image_packed((void *) (uintptr_t) texels, width, TEXELS / width, 3, NTP_TYPE_U8);
@@ -31,7 +32,21 @@ static void gather(evidence *e, const uint8_t *texels, int32_t width)
     e->snorm = (rule) { .zero = 256, .unit = 1 / 254.0 };
     e->most_rest = 0.81 * 255 * 255;
     e->most_off = 255.0 * 255;
-    ntp__gather_evidence_base(e, &src, 0, true);
+    by(e, &src, 0, true);
+}
+
+/* The same by every instruction set, to the last bit. */
+static void gather(evidence *e, const uint8_t *texels, int32_t width)
+{
+    gather_by(ntp__gather_evidence_base, e, texels, width);
+#ifdef NTP_HAVE_AVX2
+    static evidence other;
+    const void *bytes = e, *others = &other;
+    if (!ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return;
+    gather_by(ntp__gather_evidence_avx2, &other, texels, width);
+    CHECK(memcmp(bytes, others, sizeof other) == 0);
+#endif
 }
 
 static bool close_to(double a, double b)

@@ -103,6 +103,34 @@ static void forward(batch *b)
     b->fft.loops->forward(&b->fft, b->rows, b->work);
 }
 
+/* Is pair k of a table the cosine and `sign` times the sine of this angle, to the last bit? */
+static bool is_turn(const ntp__fft *fft, const void *table, int32_t k, int64_t angle, int64_t whole,
+                    int sign)
+{
+    double wide[2];
+    ntp__turn(&wide[0], &wide[1], angle, whole);
+    wide[1] = sign * wide[1];
+    const float narrow[2] = { (float) wide[0], (float) wide[1] };
+    return fft->single
+               ? memcmp((const float *) table + (ptrdiff_t) 2 * k, narrow, sizeof narrow) == 0
+               : memcmp((const double *) table + (ptrdiff_t) 2 * k, wide, sizeof wide) == 0;
+}
+
+static int check_tables(const ntp__fft *fft)
+{
+    int bad = 0;
+    const int64_t period = fft->period;
+    for (int32_t k = 0; k < fft->m; k++)
+        bad += !is_turn(fft, fft->turns, k, k, fft->m, -1);
+    for (int32_t k = 0; fft->quarter != NULL && k < fft->n; k++)
+        bad += !is_turn(fft, fft->quarter, k, k, 4 * (int64_t) fft->n, 1);
+    for (int64_t k = 0; fft->chirp != NULL && k < period; k++)
+        bad += !is_turn(fft, fft->chirp, (int32_t) k, k * k % (2 * period), 2 * period, -1);
+    if (bad > 0)
+        printf("tables of %d: %d are off\n", (int) fft->n, bad);
+    return bad;
+}
+
 static int check(ntp__fft_kind kind, int32_t n, bool single)
 {
     batch b;
@@ -124,6 +152,7 @@ static int check(ntp__fft_kind kind, int32_t n, bool single)
     if (bad)
         printf("kind %d, length %d, single %d: off by %g of %g, inverse by %g\n", (int) kind,
                (int) n, (int) single, off, largest, back);
+    bad += check_tables(&b.fft);
     drop(&b);
     return bad;
 }

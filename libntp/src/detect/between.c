@@ -37,7 +37,7 @@ enum {
     SIDE = BETWEEN_SIDE, /* MOVED + STEEP - 1 */
     REACH = (SIDE - POINTS) / 2,
     WIDE = BETWEEN_STEP, /* on smooth ground */
-    BORDER = 2 /* slopes nearer to an edge may come from a border */
+    BORDER = 2           /* slopes nearer to an edge may come from a border */
 };
 
 /* A binomial, and central differences after it. */

@@ -31,12 +31,12 @@ enum {
     MOST_TEXELS = 1 << 18, /* of all lines; of longer ones half, which tell more each */
     LONG = 512,
     MOST_ASKED = 1 << 17, /* texels that tell how the solver reads them */
-    LEAST_LINES = 16, /* and a power of 2 times that */
-    ABREAST = 4,      /* lines that are summed at once */
-    END = 4,        /* texels at an end of a line whose mean height counts */
-    BLOCK = 4,      /* a side of what block compression stores as one, in so many colors */
-    BLOCKS = 16,    /* are looked at along each side */
-    LEAST_MIXED = 8 /* of these have three colors or four */
+    LEAST_LINES = 16,     /* and a power of 2 times that */
+    ABREAST = 4,          /* lines that are summed at once */
+    END = 4,              /* texels at an end of a line whose mean height counts */
+    BLOCK = 4,            /* a side of what block compression stores as one, in so many colors */
+    BLOCKS = 16,          /* are looked at along each side */
+    LEAST_MIXED = 8       /* of these have three colors or four */
 };
 
 /* The square of an 8-bit level over 12, of lengths.  Levels that were cut off make four times that. */

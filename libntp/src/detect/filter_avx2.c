@@ -52,7 +52,8 @@ void ntp__filter_avx2(float *out, const float *in, ptrdiff_t stride, const float
         _mm256_storeu_ps(out + i + 3 * LANES, d);
     }
     for (; i + LANES <= n; i += LANES)
-        _mm256_storeu_ps(out + i, sum_of(onto ? _mm256_loadu_ps(out + i) : zero, row, tap, used, i));
+        _mm256_storeu_ps(out + i,
+                         sum_of(onto ? _mm256_loadu_ps(out + i) : zero, row, tap, used, i));
     if (i < n)
         _mm256_storeu_ps(out + n - LANES, sum_of(last, row, tap, used, n - LANES));
 }

@@ -52,14 +52,14 @@ static const double STEEP_NOISE = 4, MOST_STEEP_NOISE = 0.02;
 
 /* Sums over lines. */
 typedef struct axis_sums {
-    double full, full2;  /* sums of slopes of a line, and their squares */
-    double variance;     /* of the heights along a line */
-    double noise;        /* expected variance of a line's sum */
-    double jump, inside; /* step at the seam; mean of the steps inside */
-    double rank;         /* share of steps inside that are larger */
-    int32_t largest;     /* lines in which no step inside is larger */
-    double seam[WINDOWS];   /* for each window, squares of differences at the seam */
-    ntp__windows windows;   /* and inside */
+    double full, full2;   /* sums of slopes of a line, and their squares */
+    double variance;      /* of the heights along a line */
+    double noise;         /* expected variance of a line's sum */
+    double jump, inside;  /* step at the seam; mean of the steps inside */
+    double rank;          /* share of steps inside that are larger */
+    int32_t largest;      /* lines in which no step inside is larger */
+    double seam[WINDOWS]; /* for each window, squares of differences at the seam */
+    ntp__windows windows; /* and inside */
     int32_t lines, asked; /* lines used, and lines looked at */
 } axis_sums;
 

@@ -42,8 +42,8 @@ typedef struct ntp__line_sums {
 
 /* Slopes are x/z and y/z. */
 static inline void ntp__line_slopes(double *restrict p, double *restrict q,
-                                    const int32_t *restrict x, const int32_t *restrict y,
-                                    int32_t m, int32_t n)
+                                    const int32_t *restrict x, const int32_t *restrict y, int32_t m,
+                                    int32_t n)
 {
     double m2 = (double) m * m, least = m2 / (STEEPEST * STEEPEST);
     for (int32_t i = 0; i < n; i++) {
@@ -55,7 +55,8 @@ static inline void ntp__line_slopes(double *restrict p, double *restrict q,
 }
 
 /* Means of 1, 2 and 4 slopes before v and from v on. */
-static inline void ntp__means_of(double before[NTP__WINDOWS], double after[NTP__WINDOWS], const double *v)
+static inline void ntp__means_of(double before[NTP__WINDOWS], double after[NTP__WINDOWS],
+                                 const double *v)
 {
     before[0] = v[-1];
     before[1] = (v[-2] + v[-1]) / 2;
@@ -66,8 +67,8 @@ static inline void ntp__means_of(double before[NTP__WINDOWS], double after[NTP__
 }
 
 /* Adds the squares of how far the means of slopes before and after p, q are apart. */
-static inline void ntp__add_differences(double sum[NTP__WINDOWS], double after[2][NTP__WINDOWS], const double *p,
-                            const double *q)
+static inline void ntp__add_differences(double sum[NTP__WINDOWS], double after[2][NTP__WINDOWS],
+                                        const double *p, const double *q)
 {
     double before[2][NTP__WINDOWS];
     ntp__means_of(before[0], after[0], p);
