@@ -25,7 +25,8 @@ static int32_t random_below(int32_t n)
 static void make(uint8_t *texels, int32_t width, int32_t height, int32_t damage, int32_t holes)
 {
     for (int32_t i = 0; i < width * height; i++) {
-        double x = i % width, y = i / width;
+        const int32_t column = i % width, row = i / width;
+        double x = column, y = row;
         double p = 0.6 * sin(x / 5) * cos(y / 7) + 0.3 * sin((x + 2 * y) / 9),
                q = 0.5 * cos(x / 6 + y / 4);
         double z = 1 / sqrt(1 + p * p + q * q), n[3] = { -p * z, -q * z, z };

@@ -111,9 +111,9 @@ static bool is_turn(const ntp__fft *fft, const void *table, int32_t k, int64_t a
     ntp__turn(&wide[0], &wide[1], angle, whole);
     wide[1] = sign * wide[1];
     const float narrow[2] = { (float) wide[0], (float) wide[1] };
-    return fft->single
-               ? memcmp((const float *) table + (ptrdiff_t) 2 * k, narrow, sizeof narrow) == 0
-               : memcmp((const double *) table + (ptrdiff_t) 2 * k, wide, sizeof wide) == 0;
+    const size_t size = fft->single ? sizeof narrow : sizeof wide;
+    const void *expected = fft->single ? (const void *) narrow : (const void *) wide;
+    return memcmp((const char *) table + (size_t) k * size, expected, size) == 0;
 }
 
 static int check_tables(const ntp__fft *fft)

@@ -191,19 +191,14 @@ typedef struct filtered {
     float p_noise[DIFFERENCES][WIDE], q_noise[MEANS][WIDE];
 } filtered;
 
-/* n: of columns from column `from` on. */
-static void filter_down(filtered *to, const rows *at, int32_t from, int32_t n)
+/* All sums of n columns from column `from` on; squares: of the squares of the taps. */
+static void filter_down(float (*out)[WIDE], const float (*rows_of)[WIDE], const float (*taps)[TAPS],
+                        int32_t count, bool squares, int32_t from, int32_t n)
 {
-    float taps2[TAPS];
-    for (int32_t d = 0; d < DIFFERENCES; d++) {
-        squared(taps2, DIFFERENCE[d]);
-        down(to->p[d], at->p, DIFFERENCE[d], from, n);
-        down(to->p_noise[d], at->p_noise, taps2, from, n);
-    }
-    for (int32_t s = 0; s < MEANS; s++) {
-        squared(taps2, MEAN[s]);
-        down(to->q[s], at->q, MEAN[s], from, n);
-        down(to->q_noise[s], at->q_noise, taps2, from, n);
+    for (int32_t i = 0; i < count; i++) {
+        float taps2[TAPS];
+        squared(taps2, taps[i]);
+        down(out[i], rows_of, squares ? taps2 : taps[i], from, n);
     }
 }
 
@@ -250,7 +245,11 @@ static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int
     for (int32_t k = 0; k < TAPS; k++)
         to_noise(&at, k, level, texels);
     n = last - first + 1;
-    filter_down(&lines, &at, first, n + 2 * REACH);
+    const int32_t wide = n + 2 * REACH;
+    filter_down(lines.p, at.p, DIFFERENCE, DIFFERENCES, false, first, wide);
+    filter_down(lines.q, at.q, MEAN, MEANS, false, first, wide);
+    filter_down(lines.p_noise, at.p_noise, DIFFERENCE, DIFFERENCES, true, first, wide);
+    filter_down(lines.q_noise, at.q_noise, MEAN, MEANS, true, first, wide);
     for (int32_t i = 0; i < CANDIDATES; i++)
         try_candidate(&s->square[i], &CANDIDATE[i], &lines, worth + first, n);
 }
