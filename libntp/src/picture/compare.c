@@ -31,7 +31,7 @@ enum {
     HEAT_FULL = 10000000, /* micro-degrees at and above which the heat is full red */
     HEAT_STEPS = 510,     /* blue to green and green to red, 255 each */
     UNEQUAL = 1 << 16,    /* a texel that is a vector in one image only, beside its levels */
-    HALF_TURN = 180000000 /* for the heat, a height difference of M counts as this angle */
+    HALF_TURN = 180000000 /* micro-degrees; for the heat, a height difference of M counts as this angle */
 };
 
 typedef struct job {
@@ -46,7 +46,9 @@ typedef struct job {
     const ntp__kernels_table *kernels;
 #ifdef NTP_HAVE_AVX2
     ntp__compare_rgb *compare_rgb; /* for texels that are also alike and packed RGB; or NULL */
+    int32_t fullest;               /* of the bins, as it takes it */
 #endif
+    int32_t span; /* texels it is given: few after equal ones, for more of these may come */
 } job;
 
 /* A block of one image. */
@@ -189,20 +191,6 @@ static void paint(const job *j, const int32_t *angle, const int32_t *greatest, i
     }
 }
 
-/* Changes the bin after the last. */
-static void count_bins(ntp__angle_sums *sums, int32_t *bin, int32_t n)
-{
-    bin[n] = 0; /* the partner of the last */
-    for (int32_t i = 0; i < n; i += 2) {
-        /* Two in one load, in either order: loads are what these loops wait for. */
-        uint64_t two;
-        memcpy(&two, bin + i, sizeof two);
-        sums->bins[(uint32_t) two]++;
-        sums->bins[two >> 32]++;
-    }
-    sums->bins[0] -= (uint32_t) (n & 1);
-}
-
 static void add_angles(ntp__angle_sums *sums, int32_t *angle, int32_t n)
 {
     int32_t bin[NTP__BLOCK + 1], most = (int32_t) sums->max;
@@ -211,7 +199,7 @@ static void add_angles(ntp__angle_sums *sums, int32_t *angle, int32_t n)
     sums->texels += (uint64_t) n;
     sums->sum += ntp__picture_loops()->bins(bin, &most, angle, ntp__whole(n));
     sums->max = (uint64_t) most;
-    count_bins(sums, bin, n);
+    ntp__count_bins(sums->bins, bin, n);
 }
 
 static void compare_run(const job *j, int32_t x, int32_t y, int32_t n)
@@ -241,7 +229,7 @@ static bool add_equal(const job *j, const void *a, const void *b, int32_t n)
 }
 
 #ifdef NTP_HAVE_AVX2
-static void add_compared(ntp_diff *d, ntp__compared *c, int32_t n)
+static void add_compared(ntp_diff *d, const ntp__compared *c, int32_t n)
 {
     for (int32_t k = 0; k < 3; k++) {
         d->levels_sum[k] += c->sum[k];
@@ -251,24 +239,43 @@ static void add_compared(ntp_diff *d, ntp__compared *c, int32_t n)
     d->angles.sum += c->sum[ANGLES] - (uint64_t) ROUND_BIN * (uint32_t) c->found;
     if (c->most[ANGLES] > d->angles.max + ROUND_BIN)
         d->angles.max = c->most[ANGLES] - ROUND_BIN;
-    count_bins(&d->angles, c->bin, c->found);
     /* The number of zeros, or less that of zeros beyond n. */
     d->angles.texels += (uint64_t) n - (uint64_t) c->left;
     d->angles.bins[0] += (uint32_t) n - (uint32_t) (c->found + c->left);
 }
 
-/* Is there a vector with another one that is as long as any and opposite?  That of black is opposite
- * to that of white; other corners of the cube do no harm. */
-static bool any_opposite(const ntp__compared *c, uint32_t m)
+/* Texels that are black in one image and white in the other.  Both are unused: their angle is 0. */
+static int32_t count_unused(const job *j, const uint8_t *a, const uint8_t *b, int32_t n)
 {
-    /* Of 8 bit d is halved, of 16 bit it is 2^14 times as long. */
-    const double longest = 3.0 * m * m * (m > 255 ? 128 * 128 : 0.5);
-    int32_t any = 0;
-    if (c->most[0] < m || c->most[1] < m || c->most[2] < m)
-        return false;
-    for (int32_t i = 0; i < c->left; i++)
-        any |= c->d[i] == -longest;
-    return any != 0;
+    const size_t bytes = (size_t) j->a->pixel_stride;
+    int32_t unused = 0;
+    for (size_t i = 0; i < (size_t) n * bytes; i += bytes) {
+        bool all = a[i] == 0 || a[i] == 255;
+        for (size_t k = 0; k < bytes; k++)
+            all = all && a[i + k] == a[i] && b[i + k] == 255 - a[i];
+        unused += all;
+    }
+    return unused;
+}
+
+/* The angles that are left of n texels. */
+static void add_left(const job *j, ntp__compared *c, const void *a, const void *b, int32_t n)
+{
+    const uint32_t m = (uint32_t) j->m;
+    const bool opposite = c->most[0] == m && c->most[1] == m && c->most[2] == m;
+    int32_t angle[NTP__BLOCK], unused = opposite ? count_unused(j, a, b, n) : 0;
+    for (int32_t i = 0; i < c->left; i += NTP__BLOCK) {
+        const int32_t some = c->left - i < NTP__BLOCK ? c->left - i : NTP__BLOCK;
+        j->kernels->angles_of(angle, c->s2 + i, c->d + i, some);
+        /* Any that are as large, for only sums are kept */
+        for (int32_t k = 0; k < some && unused > 0; k++) {
+            if (angle[k] == HALF_TURN) {
+                angle[k] = 0;
+                unused--;
+            }
+        }
+        add_angles(&j->diff->angles, angle, some);
+    }
 }
 
 static void pick_loops(job *j)
@@ -285,22 +292,21 @@ static void pick_loops(job *j)
 #  endif
 }
 
-/* False: a texel may be unused in both images. */
-static bool compare_packed(const job *j, const void *a, const void *b, int32_t n)
+/* Compares the first of n texels; returns how many, or 0: it cannot. */
+static int32_t compare_packed(job *j, const void *a, const void *b, int32_t n)
 {
     ntp__compared c;
     if (j->compare_rgb == NULL)
-        return false;
-    j->compare_rgb(&c, a, b, n, j->m > 255);
-    if (any_opposite(&c, (uint32_t) j->m))
-        return false;
+        return 0;
+    n = n < j->span ? n : j->span;
+    j->span = j->span < SPAN ? 2 * j->span : SPAN;
+    c.fullest = j->fullest;
+    c.bins = j->diff->angles.bins;
+    n = j->compare_rgb(&c, a, b, n, j->m > 255);
+    j->fullest = c.fullest;
     add_compared(j->diff, &c, n);
-    if (c.left > 0) {
-        int32_t angle[NTP__BLOCK];
-        j->kernels->angles_of(angle, c.s2, c.d, c.left);
-        add_angles(&j->diff->angles, angle, c.left);
-    }
-    return true;
+    add_left(j, &c, a, b, n);
+    return n;
 }
 #else
 static void pick_loops(job *j)
@@ -308,18 +314,27 @@ static void pick_loops(job *j)
     (void) j;
 }
 
-static bool compare_packed(const job *j, const void *a, const void *b, int32_t n)
+static int32_t compare_packed(job *j, const void *a, const void *b, int32_t n)
 {
     (void) j, (void) a, (void) b, (void) n;
-    return false;
+    return 0;
 }
 #endif
 
-static void compare_quickly(const job *j, int32_t x, int32_t y, int32_t n)
+/* Compares the first of n texels; returns how many. */
+static int32_t compare_quickly(job *j, int32_t x, int32_t y, int32_t n)
 {
     const void *a = ntp__at(j->a, x, y), *b = ntp__at(j->b, x, y);
-    if (!add_equal(j, a, b, n) && !compare_packed(j, a, b, n))
-        compare_run(j, x, y, n);
+    const int32_t block = n < NTP__BLOCK ? n : NTP__BLOCK;
+    if (add_equal(j, a, b, block)) {
+        j->span = NTP__BLOCK;
+        return block;
+    }
+    const int32_t done = compare_packed(j, a, b, n);
+    if (done > 0)
+        return done;
+    compare_run(j, x, y, block);
+    return block;
 }
 
 static ntp_status prepare(job *j, const ntp_const_image *a, const ntp_const_image *b)
@@ -367,7 +382,7 @@ ntp_status ntp_diff_add(ntp_diff *diff, const ntp_image *heat, const ntp_const_i
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__check_view(a));
     NTP__TRY(ntp__check_view(b));
-    job j = { .diff = diff, .heat = heat, .a = a, .b = b, .kernels = ntp__kernels(NTP__CPU_ALL) };
+    job j = { .diff = diff, .heat = heat, .a = a, .b = b, .kernels = ntp__kernels(NTP__CPU_ALL), .span = NTP__BLOCK };
     NTP__TRY(prepare(&j, a, b));
     if (heat != NULL) {
         NTP__TRY(ntp__check_painting(heat, a, 3));
@@ -382,10 +397,8 @@ ntp_status ntp_diff_add(ntp_diff *diff, const ntp_image *heat, const ntp_const_i
     diff->vectors = j.vectors;
     diff->texels += texels;
     for (int32_t y = rect.y0; y < rect.y1; y++) {
-        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
-            int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
-            compare_quickly(&j, x, y, n);
-        }
+        for (int32_t x = rect.x0; x < rect.x1;)
+            x += compare_quickly(&j, x, y, rect.x1 - x);
     }
     return NTP_OK;
 }

@@ -37,6 +37,8 @@ typedef struct pairs {
     float u0[NTP__BLOCK], g[NTP__BLOCK];
     int32_t small[NTP__BLOCK / 8], large[NTP__BLOCK / 8];
     int32_t n, smalls, larges, different;
+    int32_t listed, bin[NTP__BLOCK + 1];
+    uint32_t *bins;
 } pairs;
 
 /* |Differences| of levels, as the loops below have them. */
@@ -121,7 +123,7 @@ typedef struct added {
 } added;
 
 /* Adds eight angles from i on; false: one is not sure. */
-static inline bool add_eight(ntp__compared *out, added *to, const pairs *p, int32_t i)
+static inline bool add_eight(int32_t *bins, added *to, const pairs *p, int32_t i)
 {
     const eight s2 = load_eight(p->s2 + i), d = load_eight(p->d + i);
     __m256i v[2];
@@ -145,10 +147,9 @@ static inline bool add_eight(ntp__compared *out, added *to, const pairs *p, int3
                            _mm256_mul_epu32(_mm256_srli_epi64(angle, 32), by), 0xaa);
     if (_mm256_movemask_ps(_mm256_castsi256_ps(sure)) != 255)
         return false;
-    _mm256_storeu_si256((void *) (out->bin + out->found), _mm256_srli_epi32(bin, BY_BITS));
+    _mm256_storeu_si256((void *) bins, _mm256_srli_epi32(bin, BY_BITS));
     to->sum = _mm256_add_epi32(to->sum, angle);
     to->most = _mm256_max_epi32(to->most, angle);
-    out->found += STEP;
     return true;
 }
 
@@ -167,9 +168,12 @@ ONE_COPY static void add_channel(ntp__compared *out, int k, __m256i sum, __m256i
 static void find_angles(ntp__compared *out, pairs *p)
 {
     added to = { _mm256_setzero_si256(), _mm256_setzero_si256() };
-    int32_t left = 0;
+    int32_t found = 0, left = out->left;
+    ntp__count_bins(p->bins, p->bin, p->listed);
     for (int32_t i = 0; i < p->smalls; i++) {
-        if (!add_eight(out, &to, p, p->small[i]))
+        if (add_eight(p->bin + found, &to, p, p->small[i]))
+            found += STEP;
+        else
             p->large[p->larges++] = p->small[i];
     }
     add_channel(out, ANGLES, to.sum, to.most);
@@ -177,19 +181,26 @@ static void find_angles(ntp__compared *out, pairs *p)
         store_eight(out->s2 + left, load_eight(p->s2 + p->large[i]));
         store_eight(out->d + left, load_eight(p->d + p->large[i]));
     }
+    p->listed = found;
+    out->found += found;
     out->left = left;
 }
 
 /* ------------------------------------------------------------------------------ 8 bit */
+
+static inline bool are_equal(__m256i a, __m256i b)
+{
+    const __m256i off = _mm256_xor_si256(a, b);
+    return _mm256_testz_si256(off, off) != 0;
+}
 
 /* Red and green of eight texels as pairs of 16 bits, and blue. */
 typedef struct texels8 {
     __m256i rg, b;
 } texels8;
 
-static inline texels8 load8(const uint8_t *s)
+static inline texels8 spread8(__m256i v)
 {
-    const __m256i v = load_two(s, s + 8);
     return (texels8) {
         .rg = SHUFFLES(v, 0, -1, 1, -1, 3, -1, 4, -1, 6, -1, 7, -1, 9, -1, 10, -1, 4, -1, 5, -1, 7,
                        -1, 8, -1, 10, -1, 11, -1, 13, -1, 14, -1),
@@ -233,13 +244,14 @@ static inline void multiply8(pairs *p, texels8 a, texels8 off)
 
 static inline void step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
-    const texels8 a = load8(pa), b = load8(pb);
+    const __m256i va = load_two(pa, pa + 8), vb = load_two(pb, pb + 8);
+    if (are_equal(va, vb))
+        return;
+    const texels8 a = spread8(va), b = spread8(vb);
     const texels8 off = { _mm256_sub_epi16(b.rg, a.rg), _mm256_sub_epi16(b.b, a.b) };
     const __m256i rg = _mm256_abs_epi16(off.rg), blue = _mm256_abs_epi16(off.b);
     const __m256i same = _mm256_cmpeq_epi32(_mm256_or_si256(rg, blue), _mm256_setzero_si256());
     const uint32_t equal = (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(same));
-    if (equal == 255)
-        return;
     sum->low = _mm256_add_epi16(sum->low, rg);
     sum->high = _mm256_add_epi16(sum->high, blue);
     sum->most_low = _mm256_max_epi16(sum->most_low, rg);
@@ -297,14 +309,14 @@ static inline int32_t add_levels16(sums *sum, __m256i a, __m256i b)
 static inline void step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
     enum { HALF = 24 /* bytes */ };
-    int32_t different = 0;
-    for (int k = 0; k < 2; k++, pa += HALF, pb += HALF) {
-        const __m256i a = load_two(pa, pa + 8), b = load_two(pb, pb + 8);
-        different += add_levels16(sum, a, b);
-        multiply16(p, k, a, b);
-    }
-    p->n += different != 0 ? STEP : 0;
-    p->different += different;
+    const __m256i a0 = load_two(pa, pa + 8), b0 = load_two(pb, pb + 8);
+    const __m256i a1 = load_two(pa + HALF, pa + HALF + 8), b1 = load_two(pb + HALF, pb + HALF + 8);
+    if (are_equal(a0, b0) && are_equal(a1, b1))
+        return;
+    p->different += add_levels16(sum, a0, b0) + add_levels16(sum, a1, b1);
+    multiply16(p, 0, a0, b0);
+    multiply16(p, 1, a1, b1);
+    p->n += STEP;
 }
 
 static void finish16(ntp__compared *out, const sums *sum)
@@ -318,21 +330,28 @@ static void finish16(ntp__compared *out, const sums *sum)
 
 #include "picture/compare_steps_tmpl.h"
 
-void ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, int32_t n, bool deep)
+int32_t ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, int32_t n, bool deep)
 {
     const __m256i zero = _mm256_setzero_si256();
+    const int32_t span = n < SPAN ? n : SPAN, texel = deep ? 6 : 3;
+    int32_t rest = span;
     sums sum = { zero, zero, zero, zero };
     pairs p;
-    p.n = p.different = 0;
-    memset(out, 0, offsetof(ntp__compared, bin));
-    if (deep) {
-        take_steps(&p, &sum, a, b, n, true);
+    p.different = p.listed = 0;
+    p.bins = out->bins;
+    memset(out, 0, offsetof(ntp__compared, fullest));
+    do {
+        const uint8_t *const va = (const uint8_t *) a + texel * (span - rest);
+        const uint8_t *const vb = (const uint8_t *) b + texel * (span - rest);
+        rest = take_steps(&p, &sum, va, vb, rest, deep);
+        find_first(&p);
+        find_angles(out, &p);
+    } while (rest > 0 && out->left <= KEPT);
+    if (deep)
         finish16(out, &sum);
-    } else {
-        take_steps(&p, &sum, a, b, n, false);
+    else
         finish8(out, &sum);
-    }
+    ntp__count_bins(p.bins, p.bin, p.listed);
     out->different = p.different;
-    find_first(&p);
-    find_angles(out, &p);
+    return span - rest;
 }

@@ -5,10 +5,18 @@
 #ifndef NTP_COMPARE_AVX2_H
 #define NTP_COMPARE_AVX2_H
 
+#include "texel/angle.h"
 #include "texel/kernels.h"
 #include "base/view.h"
 
-enum { ANGLES = 3, ROUND_BIN = 500 /* with it a bin is a 1000th */ };
+enum {
+    ANGLES = 3,
+    ROUND_BIN = 500, /* with it a bin is a 1000th */
+    SPAN = 2048,     /* texels: so many levels of 8 bit add up in lanes of 16 bits */
+    /* Angles: so many of 180 degrees, on top of a block, add up in 16 lanes of 32 bits */
+    KEPT = 96,
+    LEFT = KEPT + NTP__BLOCK
+};
 
 typedef struct ntp__compared {
     /* |Differences| of levels; and, at ANGLES, micro-degrees + ROUND_BIN of those found */
@@ -16,16 +24,18 @@ typedef struct ntp__compared {
     uint32_t most[4];
     int32_t different;   /* texels */
     int32_t found, left; /* angles; all others are 0 */
-    /* Of those found: bins as ntp__angle_sums has them, in no order */
-    _Alignas(64) int32_t bin[NTP__BLOCK + 16];
+    /* Given: where those found are counted, as ntp__angle_sums has it, and a bin that is thought to be the
+     * fullest.  Counting it together is quicker; another one may be put here for the next time. */
+    int32_t fullest, last;
+    uint32_t *bins;
     /* Of those left: |v x w|^2 and v . w */
-    double s2[NTP__BLOCK + 8], d[NTP__BLOCK + 8];
+    double s2[LEFT + 16], d[LEFT + 16];
 } ntp__compared;
 
-/* Compares n packed pixels of 8 bit, or 16 (deep), in the standard encoding.  Both kinds of angles may
- * be followed by zeros. */
-typedef void ntp__compare_rgb(ntp__compared *out, const void *a, const void *b, int32_t n,
-                              bool deep);
+/* Compares the first of n packed pixels of 8 bit, or 16 (deep), in the standard encoding; returns how
+ * many, at most SPAN.  Both kinds of angles may be followed by zeros. */
+typedef int32_t ntp__compare_rgb(ntp__compared *out, const void *a, const void *b, int32_t n,
+                                 bool deep);
 
 ntp__compare_rgb ntp__compare_rgb_avx2, ntp__compare_rgb_avx512;
 

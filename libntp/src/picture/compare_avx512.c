@@ -21,7 +21,8 @@
 #include "picture/small_angles.h"
 #include "texel/packed_avx512_tmpl.h"
 
-#define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5)
+/* One more of the last place: of those in doubt only the lowest two bits can be set. */
+#define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5 + 1.0 / (1 << PART_BITS))
 
 enum { STEP = LANES_512 };
 
@@ -30,15 +31,22 @@ typedef struct pairs {
     /* s^2 and d, times a power of 4 or 2 */
     _Alignas(64) double s2[NTP__BLOCK];
     double d[NTP__BLOCK];
-    uint32_t different[NTP__BLOCK / STEP]; /* bits of texels */
-    int32_t n;
-    int32_t found, *bin; /* as ntp__compared has them */
-    /* Of micro-degrees + ROUND_BIN: no lane gets more than 16 small ones and 16 others, below 2^32 */
-    __m512i sum, most;
-    /* Where 16 begin some of which are left, and bits of these */
-    int32_t at[NTP__BLOCK / STEP], some;
-    uint32_t left[NTP__BLOCK / STEP];
+    uint16_t different[NTP__BLOCK / STEP]; /* bits of texels */
+    int32_t n, listed, bin[NTP__BLOCK + STEP];
+    uint32_t *bins;
 } pairs;
+
+/* Of some angles. */
+typedef struct tally {
+    /* Of micro-degrees + ROUND_BIN: no lane gets more than LEFT / STEP angles, below 2^32 */
+    __m512i sum, most;
+    __m512i fullest;
+    /* Bins but for the fullest */
+    int32_t bins, *bin;
+    /* Where 16 begin some of which are left, and bits of these */
+    int32_t some, at[LEFT / STEP];
+    uint16_t left[LEFT / STEP];
+} tally;
 
 /* |Differences| of levels, as the loops below have them. */
 typedef struct sums {
@@ -59,12 +67,12 @@ static inline __m512d quotient(__m512d low, __m512d s2, __m512d d2)
  * degrees. */
 static inline __m512d small_angle(__m512d u)
 {
-    const __m512d w = _mm512_mul_pd(u, u);
-    __m512d p = _mm512_fmadd_pd(_mm512_set1_pd(C4), w, _mm512_set1_pd(C3));
-    p = _mm512_fmadd_pd(p, w, _mm512_set1_pd(C2));
-    p = _mm512_fmadd_pd(p, w, _mm512_set1_pd(C1));
-    p = _mm512_fmadd_pd(p, w, _mm512_set1_pd(C0));
-    return _mm512_fmadd_pd(p, u, _mm512_set1_pd(TO_PARTS));
+    /* In pairs, which wait for each other less than one term after the other would. */
+    const __m512d w = _mm512_mul_pd(u, u), w2 = _mm512_mul_pd(w, w);
+    const __m512d p = _mm512_fmadd_pd(_mm512_set1_pd(C1), w, _mm512_set1_pd(C0));
+    const __m512d q = _mm512_fmadd_pd(_mm512_set1_pd(C3), w, _mm512_set1_pd(C2));
+    const __m512d r = _mm512_fmadd_pd(_mm512_set1_pd(C4), w2, q);
+    return _mm512_fmadd_pd(_mm512_fmadd_pd(r, w2, p), u, _mm512_set1_pd(TO_PARTS));
 }
 
 /* As small_angle, of any vectors that are not opposite. */
@@ -81,63 +89,87 @@ static inline __m512d any_angle(__m512d s2, __m512d d)
     const __m512d w = _mm512_mul_pd(u, u);
     const __mmask8 beside = _mm512_cmp_pd_mask(s2, d2, _CMP_GT_OQ);
     const __mmask8 behind = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_LT_OQ);
-    __m512d t = _mm512_set1_pd(terms[0]);
-    for (size_t k = 1; k < sizeof terms / sizeof *terms; k++)
-        t = _mm512_fmadd_pd(t, w, _mm512_set1_pd(terms[k]));
-    t = _mm512_mul_pd(t, u);
+    const __m512d w2 = _mm512_mul_pd(w, w);
+    __m512d odd = _mm512_set1_pd(terms[0]), even = _mm512_set1_pd(terms[1]);
+#pragma GCC unroll 6
+    for (size_t k = 2; k < sizeof terms / sizeof *terms; k += 2) {
+        odd = _mm512_fmadd_pd(odd, w2, _mm512_set1_pd(terms[k]));
+        even = _mm512_fmadd_pd(even, w2, _mm512_set1_pd(terms[k + 1]));
+    }
+    __m512d t = _mm512_mul_pd(_mm512_fmadd_pd(odd, w, even), u);
     t = _mm512_mask_sub_pd(t, beside, _mm512_set1_pd(90e6), t);
     t = _mm512_mask_sub_pd(t, behind, _mm512_set1_pd(180e6), t);
     return _mm512_add_pd(t, _mm512_set1_pd(TO_PARTS));
 }
 
-/* Adds those of `these` 16 angles that are sure; all others of `different` are left. */
-static inline void add_angles(pairs *p, __m512d low, __m512d high, uint32_t these,
-                              uint32_t different, int32_t at)
+/* Lanes are unsigned 32 bits. */
+ONE_COPY static void add_channel(ntp__compared *out, int k, __m512i sum, __m512i most)
+{
+    const __m512i low = _mm512_and_si512(sum, _mm512_set1_epi64(UINT32_MAX));
+    const uint32_t greatest = _mm512_reduce_max_epu32(most);
+    out->sum[k] +=
+        (uint64_t) _mm512_reduce_add_epi64(_mm512_add_epi64(low, _mm512_srli_epi64(sum, 32)));
+    out->most[k] = greatest > out->most[k] ? greatest : out->most[k];
+}
+
+/* Adds those of 16 angles that are sure, of eight and eight at `low` and `high`; all others of
+ * `different` are left. */
+static inline void add_angles(tally *t, __m512d v, __m512d w, __mmask8 low, __mmask8 high,
+                              __mmask16 different, int32_t at)
 {
     const __m512i evens =
         _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
     const __m512i odds = _mm512_add_epi32(evens, _mm512_set1_epi32(1));
-    const __m512i v0 = _mm512_castpd_si512(low), v1 = _mm512_castpd_si512(high);
+    const __m512i parts = _mm512_set1_epi64((1 << PART_BITS) - 4);
+    const __m512i v0 = _mm512_castpd_si512(v), v1 = _mm512_castpd_si512(w);
     const __m512i a0 = _mm512_srli_epi64(v0, PART_BITS), a1 = _mm512_srli_epi64(v1, PART_BITS);
-    /* The places, so that those in doubt are the lowest integers */
-    const __m512i places = _mm512_permutex2var_epi32(v0, evens, v1);
-    const __m512i part =
-        _mm512_add_epi32(_mm512_slli_epi32(places, 32 - PART_BITS), _mm512_set1_epi32(UNIT));
-    const uint32_t sure = these & _mm512_cmpgt_epu32_mask(part, _mm512_set1_epi32(2 * UNIT));
-    const uint32_t left = different & ~sure;
+    const __mmask16 clear = _mm512_kunpackb(_mm512_mask_test_epi64_mask(high, v1, parts),
+                                            _mm512_mask_test_epi64_mask(low, v0, parts));
+    const __mmask16 sure = _kand_mask16(clear, different), left = _kandn_mask16(clear, different);
     const __m512i angle = _mm512_permutex2var_epi32(a0, evens, a1);
     const __m512i by = _mm512_set1_epi32(BY_1000);
-    const __m512i bin =
-        _mm512_permutex2var_epi32(_mm512_mul_epu32(a0, by), odds, _mm512_mul_epu32(a1, by));
-    p->sum = _mm512_mask_add_epi32(p->sum, (__mmask16) sure, p->sum, angle);
-    p->most = _mm512_mask_max_epu32(p->most, (__mmask16) sure, p->most, angle);
-    _mm512_storeu_si512(p->bin + p->found, _mm512_maskz_compress_epi32(
-                                               (__mmask16) sure, _mm512_srli_epi32(bin, BY_BITS)));
-    p->found += __builtin_popcount(sure);
+    const __m512i bin = _mm512_srli_epi32(
+        _mm512_permutex2var_epi32(_mm512_mul_epu32(a0, by), odds, _mm512_mul_epu32(a1, by)),
+        BY_BITS);
+    const __mmask16 listed = _mm512_mask_cmpneq_epi32_mask(sure, bin, t->fullest);
+    t->sum = _mm512_mask_add_epi32(t->sum, sure, t->sum, angle);
+    t->most = _mm512_mask_max_epu32(t->most, sure, t->most, angle);
+    _mm512_storeu_si512(t->bin + t->bins, _mm512_maskz_compress_epi32(listed, bin));
+    t->bins += __builtin_popcount(_cvtmask16_u32(listed));
     /* No branch, for it would be taken at random */
-    p->at[p->some] = at;
-    p->left[p->some] = left;
-    p->some += left != 0;
+    t->at[t->some] = at;
+    t->left[t->some] = (uint16_t) _cvtmask16_u32(left);
+    t->some += _cvtmask16_u32(left) != 0;
 }
 
-/* Puts those that are left side by side; s2 and d may be those of `out`.  Stores of nothing, all to one
- * place, are slow: these are not with those of the bins. */
-ONE_COPY static void gather(ntp__compared *out, pairs *p, const double *s2, const double *d)
+static inline void start(tally *t, const ntp__compared *out, int32_t *bin)
 {
-    int32_t n = 0;
-    for (int32_t i = 0; i < 2 * p->some; i++) {
-        const int32_t at = p->at[i / 2] + STEP / 2 * (i & 1);
-        const __mmask8 these = (__mmask8) (p->left[i / 2] >> 8 * (i & 1));
-        const __m512d v = _mm512_loadu_pd(s2 + at), w = _mm512_loadu_pd(d + at);
-        _mm512_storeu_pd(out->s2 + n, _mm512_maskz_compress_pd(these, v));
-        _mm512_storeu_pd(out->d + n, _mm512_maskz_compress_pd(these, w));
-        n += __builtin_popcount(these);
-    }
-    p->some = 0;
-    out->left = n;
+    t->sum = t->most = _mm512_setzero_si512();
+    t->fullest = _mm512_set1_epi32(out->fullest);
+    t->bins = t->some = 0;
+    t->bin = bin;
 }
 
-static inline uint32_t is_small(__m512d u, __m512d d)
+/* Puts those of s2 and d that are left side by side, behind `left` of them; s2 and d may be there, too.
+ * Stores of nothing, all to one place, are slow: these are not with those of the bins. */
+ONE_COPY static void finish(ntp__compared *out, tally *t, const double *s2, const double *d,
+                            int32_t left)
+{
+    for (int32_t i = 0; i < 2 * t->some; i++) {
+        const int32_t at = t->at[i / 2] + STEP / 2 * (i & 1);
+        const __mmask8 these = (__mmask8) (t->left[i / 2] >> 8 * (i & 1));
+        const __m512d v = _mm512_loadu_pd(s2 + at), w = _mm512_loadu_pd(d + at);
+        _mm512_storeu_pd(out->s2 + left, _mm512_maskz_compress_pd(these, v));
+        _mm512_storeu_pd(out->d + left, _mm512_maskz_compress_pd(these, w));
+        left += __builtin_popcount(these);
+    }
+    out->left = left;
+    add_channel(out, ANGLES, t->sum, t->most);
+    out->found += t->bins;
+    out->last = t->bins > 0 ? t->bin[0] : out->last;
+}
+
+static inline __mmask8 is_small(__m512d u, __m512d d)
 {
     const __mmask8 ahead = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_GT_OQ);
     return _mm512_mask_cmp_pd_mask(ahead, u, _mm512_set1_pd(SMALL), _CMP_LE_OQ);
@@ -146,53 +178,60 @@ static inline uint32_t is_small(__m512d u, __m512d d)
 /* The small angles of texels that are different. */
 static void find_small(ntp__compared *out, pairs *p)
 {
+    int32_t all = 0;
+    tally t;
+    ntp__count_bins(p->bins, p->bin, p->listed);
+    start(&t, out, p->bin);
     for (int32_t i = 0; i < p->n; i += STEP) {
-        const uint32_t different = p->different[i / STEP];
+        const __mmask16 different = _cvtu32_mask16(p->different[i / STEP]);
         const __m512d s0 = _mm512_load_pd(p->s2 + i), s1 = _mm512_load_pd(p->s2 + i + STEP / 2);
         const __m512d d0 = _mm512_load_pd(p->d + i), d1 = _mm512_load_pd(p->d + i + STEP / 2);
         const __m512d u0 = quotient(s0, s0, _mm512_mul_pd(d0, d0));
         const __m512d u1 = quotient(s1, s1, _mm512_mul_pd(d1, d1));
-        const uint32_t small = is_small(u0, d0) | is_small(u1, d1) << STEP / 2;
-        out->different += __builtin_popcount(different);
-        add_angles(p, small_angle(u0), small_angle(u1), different & small, different, i);
+        all += __builtin_popcount(p->different[i / STEP]);
+        add_angles(&t, small_angle(u0), small_angle(u1), is_small(u0, d0), is_small(u1, d1),
+                   different, i);
     }
-    gather(out, p, p->s2, p->d);
+    out->different += all;
+    p->listed = t.bins;
+    finish(out, &t, p->s2, p->d, out->left);
 }
 
-/* The angles of those that were left; then those in doubt are. */
-static void find_others(ntp__compared *out, pairs *p)
+/* The angles of those that were left from `first` on; then those in doubt are. */
+static void find_others(ntp__compared *out, int32_t first)
 {
     const __m512d zero = _mm512_setzero_pd();
-    for (int32_t i = 0; i < out->left; i += STEP) {
+    int32_t bin[LEFT + STEP];
+    tally t;
+    start(&t, out, bin);
+    for (int32_t i = first; i < out->left; i += STEP) {
         const double *const s2 = out->s2 + i, *const d = out->d + i;
         const __m512d s0 = _mm512_loadu_pd(s2), s1 = _mm512_loadu_pd(s2 + STEP / 2);
         const __m512d d0 = _mm512_loadu_pd(d), d1 = _mm512_loadu_pd(d + STEP / 2);
         const uint32_t here = out->left - i < STEP ? (1U << (out->left - i)) - 1 : UINT16_MAX;
-        const uint32_t some = _mm512_cmp_pd_mask(s0, zero, _CMP_GT_OQ) |
-                              (uint32_t) _mm512_cmp_pd_mask(s1, zero, _CMP_GT_OQ) << STEP / 2;
-        add_angles(p, any_angle(s0, d0), any_angle(s1, d1), here & some, here, i);
+        add_angles(&t, any_angle(s0, d0), any_angle(s1, d1),
+                   _mm512_cmp_pd_mask(s0, zero, _CMP_GT_OQ),
+                   _mm512_cmp_pd_mask(s1, zero, _CMP_GT_OQ), _cvtu32_mask16(here), i);
     }
-    gather(out, p, out->s2, out->d);
-}
-
-/* Lanes are unsigned 32 bits. */
-ONE_COPY static void add_channel(ntp__compared *out, int k, __m512i sum, __m512i most)
-{
-    const __m512i low = _mm512_and_si512(sum, _mm512_set1_epi64(UINT32_MAX));
-    out->sum[k] =
-        (uint64_t) _mm512_reduce_add_epi64(_mm512_add_epi64(low, _mm512_srli_epi64(sum, 32)));
-    out->most[k] = _mm512_reduce_max_epu32(most);
+    finish(out, &t, out->s2, out->d, first);
+    ntp__count_bins(out->bins, bin, t.bins);
 }
 
 /* s2 and d of the next 16, and bits of those that are different. */
 static inline void keep(pairs *p, const __m512d s2[2], const __m512d d[2], uint32_t different)
 {
-    for (int k = 0; k < 2; k++) {
-        _mm512_store_pd(p->s2 + p->n + STEP / 2 * k, s2[k]);
-        _mm512_store_pd(p->d + p->n + STEP / 2 * k, d[k]);
+    const uint32_t n = (uint32_t) p->n;
+    for (uint32_t k = 0; k < 2; k++) {
+        _mm512_store_pd(p->s2 + n + STEP / 2 * k, s2[k]);
+        _mm512_store_pd(p->d + n + STEP / 2 * k, d[k]);
     }
-    p->different[p->n / STEP] = different;
-    p->n += STEP;
+    p->different[n / STEP] = (uint16_t) different;
+    p->n = (int32_t) (n + STEP);
+}
+
+static inline bool are_equal(__m512i a, __m512i b)
+{
+    return _mm512_cmpneq_epi32_mask(a, b) == 0;
 }
 
 /* ------------------------------------------------------------------------------ 8 bit */
@@ -207,8 +246,9 @@ static inline __m512d to_doubles(__m512i v, int k)
     return _mm512_cvtepi32_pd(k == 0 ? _mm512_castsi512_si256(v) : _mm512_extracti64x4_epi64(v, 1));
 }
 
-/* With v of a, and w = v + 2 off: half of v x w = 2 v x off and of v . w = v . v + 2 v . off. */
-static inline void multiply8(__m512d s2[2], __m512d d[2], texels a, texels off)
+/* With v of a, and w = v + 2 off: half of v x w = 2 v x off and of v . w = v . v + 2 v . off.  Returns
+ * bits of those that are different. */
+static inline uint32_t multiply8(__m512d s2[2], __m512d d[2], texels a, texels off)
 {
     const texels v = {
         .rg = _mm512_sub_epi16(_mm512_add_epi16(a.rg, a.rg), _mm512_set1_epi16(255)),
@@ -220,21 +260,24 @@ static inline void multiply8(__m512d s2[2], __m512d d[2], texels a, texels off)
         s2[i] = _mm512_fnmadd_pd(f, f, _mm512_mul_pd(m, to_doubles(l, i)));
         d[i] = _mm512_fmadd_pd(m, _mm512_set1_pd(0.5), f);
     }
+    return _mm512_test_epi32_mask(l, l);
 }
 
 static inline void step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
-    const texels a = take8(pa), b = take8(pb);
+    const __m512i va = load_48(pa), vb = load_48(pb);
+    if (are_equal(va, vb))
+        return;
+    const texels a = spread8(va), b = spread8(vb);
     const texels off = { _mm512_sub_epi16(b.rg, a.rg), _mm512_sub_epi16(b.b, a.b) };
     const __m512i rg = _mm512_abs_epi16(off.rg), blue = _mm512_abs_epi16(off.b);
-    const __m512i any = _mm512_or_si512(rg, blue);
     sum->low = _mm512_add_epi16(sum->low, rg);
     sum->high = _mm512_add_epi16(sum->high, blue);
     sum->most_low = _mm512_max_epi16(sum->most_low, rg);
     sum->most_high = _mm512_max_epi16(sum->most_high, blue);
     __m512d s2[2], d[2];
-    multiply8(s2, d, a, off);
-    keep(p, s2, d, _mm512_test_epi32_mask(any, any));
+    const uint32_t different = multiply8(s2, d, a, off);
+    keep(p, s2, d, different);
 }
 
 static void finish8(ntp__compared *out, const sums *sum)
@@ -295,6 +338,8 @@ static inline void step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t 
     __m512d s2[2], d[2];
     const __m512i a0 = load_48(pa), b0 = load_48(pb);
     const __m512i a1 = load_48(pa + HALF), b1 = load_48(pb + HALF);
+    if (are_equal(a0, b0) && are_equal(a1, b1))
+        return;
     const uint32_t low = add_levels16(sum, a0, b0), high = add_levels16(sum, a1, b1);
     multiply16(&s2[0], &d[0], a0, b0);
     multiply16(&s2[1], &d[1], a1, b1);
@@ -312,24 +357,38 @@ static void finish16(ntp__compared *out, const sums *sum)
 
 #include "picture/compare_steps_tmpl.h"
 
-void ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b, int32_t n, bool deep)
+int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b, int32_t n,
+                                bool deep)
 {
     const __m512i zero = _mm512_setzero_si512();
+    const int32_t span = n < SPAN ? n : SPAN, texel = deep ? 6 : 3;
+    int32_t rest = span, kept = 0;
     sums sum = { zero, zero, zero, zero };
     pairs p;
-    memset(out, 0, offsetof(ntp__compared, bin));
-    p.n = p.found = p.some = 0;
-    p.bin = out->bin;
-    p.sum = p.most = zero;
-    if (deep) {
-        take_steps(&p, &sum, a, b, n, true);
+    p.listed = 0;
+    p.bins = out->bins;
+    memset(out, 0, offsetof(ntp__compared, fullest));
+    out->last = out->fullest;
+    do {
+        const uint8_t *const va = (const uint8_t *) a + texel * (span - rest);
+        const uint8_t *const vb = (const uint8_t *) b + texel * (span - rest);
+        rest = take_steps(&p, &sum, va, vb, rest, deep);
+        find_small(out, &p);
+        if (rest == 0 || out->left > KEPT) {
+            find_others(out, kept);
+            kept = out->left;
+        }
+    } while (rest > 0 && out->left <= KEPT);
+    if (deep)
         finish16(out, &sum);
-    } else {
-        take_steps(&p, &sum, a, b, n, false);
+    else
         finish8(out, &sum);
-    }
-    find_small(out, &p);
-    find_others(out, &p);
-    out->found = p.found;
-    add_channel(out, ANGLES, p.sum, p.most);
+    ntp__count_bins(out->bins, p.bin, p.listed);
+    const int32_t found = out->different - out->left;
+    out->bins[out->fullest] += (uint32_t) (found - out->found);
+    out->found = found;
+    /* Bins of which there are many come up often. */
+    if (out->bins[out->last] > out->bins[out->fullest])
+        out->fullest = out->last;
+    return span - rest;
 }

@@ -3,7 +3,7 @@
  * compare_steps_tmpl.h - how kernels that compare packed RGB go along a block
  *
  * The file that includes it has STEP, the texels that its step8 and step16 take, and what these keep:
- * pairs and sums.
+ * pairs and sums.  Pairs have n texels of a block, and `listed` bins that are to be counted in `bins`.
  */
 #include <string.h>
 
@@ -19,22 +19,59 @@ ONE_COPY static const uint8_t *copy_last(uint8_t few[BYTES], const uint8_t *from
     return memcpy(few, from, (size_t) bytes);
 }
 
-static inline __attribute__((always_inline)) void take_steps(pairs *p, sums *sum, const uint8_t *a,
-                                                             const uint8_t *b, int32_t n, bool deep)
+/* Counts bins of the block before, while the numbers of this one are waited for. */
+static inline void count_some(pairs *p)
 {
-    const int32_t texel = deep ? 6 : 3;
-    uint8_t few[2][BYTES];
-    for (; n > 0; n -= STEP, a += texel * STEP, b += texel * STEP) {
+    if (p->listed < STEP)
+        return;
+    p->listed -= STEP;
+    const int32_t *const bin = p->bin + p->listed;
+    uint32_t *const bins = p->bins;
+    for (int32_t i = 0; i < STEP; i += 2) {
+        uint64_t two;
+        memcpy(&two, bin + i, sizeof two);
+        bins[(uint32_t) two]++;
+        bins[two >> 32]++;
+    }
+}
+
+/* Goes along whole steps until the block is full; returns how many texels these are. */
+static inline __attribute__((always_inline)) int32_t
+take_whole(pairs *p, sums *sum, const uint8_t *a, const uint8_t *b, int32_t n, bool deep)
+{
+    const int32_t bytes = (deep ? 6 : 3) * STEP;
+    int32_t i = 0;
+    for (; i < n && p->n < NTP__BLOCK; i += STEP, a += bytes, b += bytes) {
         /* As numbers: they may be beyond the picture, where this does nothing. */
         __builtin_prefetch((const void *) ((uintptr_t) a + AHEAD));
         __builtin_prefetch((const void *) ((uintptr_t) b + AHEAD));
-        if (n < STEP) {
-            a = copy_last(few[0], a, texel * n);
-            b = copy_last(few[1], b, texel * n);
-        }
+        count_some(p);
         if (deep)
             step16(p, sum, a, b);
         else
             step8(p, sum, a, b);
     }
+    return i;
+}
+
+/* Goes on until a block is full; returns how many texels are left.  Calls would keep constants out of
+ * registers in the loop above: the last texels are copied here. */
+static inline int32_t take_steps(pairs *p, sums *sum, const uint8_t *a, const uint8_t *b, int32_t n,
+                                 bool deep)
+{
+    const int32_t texel = deep ? 6 : 3;
+    uint8_t few[2][BYTES];
+    for (p->n = 0; n > 0 && p->n < NTP__BLOCK;) {
+        int32_t some = n & -STEP;
+        if (n < STEP) {
+            a = copy_last(few[0], a, texel * n);
+            b = copy_last(few[1], b, texel * n);
+            some = STEP;
+        }
+        some = deep ? take_whole(p, sum, a, b, some, true) : take_whole(p, sum, a, b, some, false);
+        a += texel * some;
+        b += texel * some;
+        n -= some;
+    }
+    return n < 0 ? 0 : n;
 }

@@ -7,6 +7,8 @@
 
 #include "libntp.h"
 
+#include <string.h>
+
 #define NTP__PI 3.14159265358979323846
 
 extern const double ntp__atan_eighths[9]; /* atan(i/8) */
@@ -38,6 +40,20 @@ static inline void ntp__angles_add(ntp__angle_sums *angles, uint32_t angle, uint
     angles->bins[(angle + 500) / 1000] += count;
     if (angle > angles->max)
         angles->max = angle;
+}
+
+/* Counts n bins, each one more; changes the one after the last. */
+static inline void ntp__count_bins(uint32_t *bins, int32_t *bin, int32_t n)
+{
+    bin[n] = 0; /* the partner of the last */
+    for (int32_t i = 0; i < n; i += 2) {
+        /* Two in one load, in either order: loads are what these loops wait for. */
+        uint64_t two;
+        memcpy(&two, bin + i, sizeof two);
+        bins[(uint32_t) two]++;
+        bins[two >> 32]++;
+    }
+    bins[0] -= (uint32_t) (n & 1);
 }
 
 /* Makes the sums empty again. */

@@ -43,12 +43,16 @@ static inline __m512i load_48(const uint8_t *s)
                               2);
 }
 
+/* Sixteen texels of 8 bit, after which there are zeros: byte 48 is one. */
+static inline texels spread8(__m512i v)
+{
+    return (texels) { _mm512_permutexvar_epi8(steps_of(0x030003, 0x30013000), v),
+                      _mm512_permutexvar_epi8(steps_of(3, 0x30303002), v) };
+}
+
 static inline texels take8(const uint8_t *s)
 {
-    const __m512i v = load_48(s);
-    const __m512i rg = steps_of(0x030003, 0x010000), b = steps_of(0x030003, 2);
-    return (texels) { _mm512_maskz_permutexvar_epi8(0x5555555555555555, rg, v),
-                      _mm512_maskz_permutexvar_epi8(0x1111111111111111, b, v) };
+    return spread8(load_48(s));
 }
 
 static inline texels take16(const uint8_t *s)
