@@ -2,7 +2,8 @@
 /*
  * test_compare.c - two textures are compared alike with and without AVX2 and AVX-512
  *
- * All widths up to two blocks and some, between guard pages, of 8 and 16 bit: what ntp_diff_add keeps
+ * All widths up to two blocks and some, and about as many as one call of a kernel takes, between guard
+ * pages, of 8 and 16 bit: what ntp_diff_add keeps
  * is the same to the byte, and levels are those of a plain loop.  without_avx2.h leaves out the
  * instructions.
  */
@@ -28,9 +29,10 @@ static void put(void *data, int32_t i, ntp_type type, int32_t level)
         ((uint16_t *) data)[i] = (uint16_t) level;
 }
 
-/* The pairs: random ones; levels that are close; runs of equal texels; black against white; vectors
- * that are nearly opposite; right angles, nearly; grays, whose vectors are parallel or opposite. */
-enum { RANDOM, CLOSE, RUNS, BLACK_AND_WHITE, OPPOSITE, ACROSS, GRAYS, KINDS };
+/* The pairs: random ones; levels that are close; runs of equal texels; corners of the cube against the
+ * opposite ones, as black against white; vectors that are nearly opposite; right angles, nearly; grays,
+ * whose vectors are parallel or opposite; a few that are random among equal or close ones. */
+enum { RANDOM, CLOSE, RUNS, CORNERS, OPPOSITE, ACROSS, GRAYS, FEW, KINDS };
 
 static void change_other(int32_t other[3], int32_t level[3], int kind, int32_t m)
 {
@@ -53,21 +55,25 @@ static void make_pair(void *a, void *b, int32_t n, ntp_type type, int kind, uint
     bool run = false;
     for (int32_t i = 0; i < n; i++) {
         run = i % 24 == 0 ? (random_bits(seed) & 1) != 0 : run;
-        const bool corner = kind == BLACK_AND_WHITE && random_bits(seed) % 64 == 0;
+        const bool corner = kind == CORNERS && random_bits(seed) % 64 == 0;
+        const bool any =
+            kind == RANDOM || kind == GRAYS || (kind == FEW && random_bits(seed) % 8 == 0);
+        const uint64_t which = random_bits(seed);
         int32_t level[3], other[3];
         for (int k = 0; k < 3; k++) {
             level[k] = random_level(seed, m);
             other[k] = random_level(seed, m);
-            if (kind != RANDOM && kind != GRAYS)
+            if (!any)
                 other[k] = level[k] + (int32_t) (random_bits(seed) % 9) - 4;
-            if (kind == RUNS && run)
+            if (!any && run && (kind == RUNS || kind == FEW))
                 other[k] = level[k];
         }
         change_other(other, level, kind, m);
         for (int k = 0; k < 3; k++) {
             const int32_t o = other[k];
-            put(a, 3 * i + k, type, corner ? 0 : level[k]);
-            put(b, 3 * i + k, type, corner ? m : o < 0 ? 0 : o > m ? m : o);
+            const int32_t end = (which >> k & 1) != 0 ? m : 0;
+            put(a, 3 * i + k, type, corner ? end : level[k]);
+            put(b, 3 * i + k, type, corner ? m - end : o < 0 ? 0 : o > m ? m : o);
         }
     }
 }
@@ -129,7 +135,9 @@ int main(void)
         diffs[k] = malloc(ntp_diff_size());
         CHECK(diffs[k] != NULL);
     }
-    for (int32_t n = 1; n <= WIDEST; n++) {
+    const int32_t wide[] = { 2047, 2048, 2049, 2063, 6200 };
+    for (int32_t i = 1; i <= WIDEST + 5; i++) {
+        const int32_t n = i <= WIDEST ? i : wide[i - WIDEST - 1];
         for (int kind = 0; kind < KINDS; kind++) {
             compare(n, NTP_TYPE_U8, kind, diffs, &seed);
             compare(n, NTP_TYPE_U16, kind, diffs, &seed);

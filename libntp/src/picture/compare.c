@@ -31,7 +31,8 @@ enum {
     HEAT_FULL = 10000000, /* micro-degrees at and above which the heat is full red */
     HEAT_STEPS = 510,     /* blue to green and green to red, 255 each */
     UNEQUAL = 1 << 16,    /* a texel that is a vector in one image only, beside its levels */
-    HALF_TURN = 180000000 /* micro-degrees; for the heat, a height difference of M counts as this angle */
+    HALF_TURN =
+        180000000 /* micro-degrees; for the heat, a height difference of M counts as this angle */
 };
 
 typedef struct job {
@@ -199,7 +200,7 @@ static void add_angles(ntp__angle_sums *sums, int32_t *angle, int32_t n)
     sums->texels += (uint64_t) n;
     sums->sum += ntp__picture_loops()->bins(bin, &most, angle, ntp__whole(n));
     sums->max = (uint64_t) most;
-    ntp__count_bins(sums->bins, bin, n);
+    ntp__count_angles(sums->bins, bin, n);
 }
 
 static void compare_run(const job *j, int32_t x, int32_t y, int32_t n)
@@ -382,7 +383,12 @@ ntp_status ntp_diff_add(ntp_diff *diff, const ntp_image *heat, const ntp_const_i
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__check_view(a));
     NTP__TRY(ntp__check_view(b));
-    job j = { .diff = diff, .heat = heat, .a = a, .b = b, .kernels = ntp__kernels(NTP__CPU_ALL), .span = NTP__BLOCK };
+    job j = { .diff = diff,
+              .heat = heat,
+              .a = a,
+              .b = b,
+              .kernels = ntp__kernels(NTP__CPU_ALL),
+              .span = NTP__BLOCK };
     NTP__TRY(prepare(&j, a, b));
     if (heat != NULL) {
         NTP__TRY(ntp__check_painting(heat, a, 3));

@@ -169,7 +169,7 @@ static void find_angles(ntp__compared *out, pairs *p)
 {
     added to = { _mm256_setzero_si256(), _mm256_setzero_si256() };
     int32_t found = 0, left = out->left;
-    ntp__count_bins(p->bins, p->bin, p->listed);
+
     for (int32_t i = 0; i < p->smalls; i++) {
         if (add_eight(p->bin + found, &to, p, p->small[i]))
             found += STEP;
@@ -330,7 +330,8 @@ static void finish16(ntp__compared *out, const sums *sum)
 
 #include "picture/compare_steps_tmpl.h"
 
-int32_t ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, int32_t n, bool deep)
+int32_t ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, int32_t n,
+                              bool deep)
 {
     const __m256i zero = _mm256_setzero_si256();
     const int32_t span = n < SPAN ? n : SPAN, texel = deep ? 6 : 3;
@@ -344,6 +345,7 @@ int32_t ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, 
         const uint8_t *const va = (const uint8_t *) a + texel * (span - rest);
         const uint8_t *const vb = (const uint8_t *) b + texel * (span - rest);
         rest = take_steps(&p, &sum, va, vb, rest, deep);
+        count_rest(&p);
         find_first(&p);
         find_angles(out, &p);
     } while (rest > 0 && out->left <= KEPT);
@@ -351,7 +353,7 @@ int32_t ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, 
         finish16(out, &sum);
     else
         finish8(out, &sum);
-    ntp__count_bins(p.bins, p.bin, p.listed);
+    count_rest(&p);
     out->different = p.different;
     return span - rest;
 }

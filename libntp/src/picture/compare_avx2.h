@@ -12,8 +12,8 @@
 enum {
     ANGLES = 3,
     ROUND_BIN = 500, /* with it a bin is a 1000th */
-    SPAN = 2048,     /* texels: so many levels of 8 bit add up in lanes of 16 bits */
-    /* Angles: so many of 180 degrees, on top of a block, add up in 16 lanes of 32 bits */
+    SPAN = 2048,     /* texels: levels of 8 bit of so many add up in 8 lanes of 16 bits */
+    /* Angles: so many and a block's, of 180 degrees, add up in 16 lanes of 32 bits */
     KEPT = 96,
     LEFT = KEPT + NTP__BLOCK
 };
@@ -24,9 +24,9 @@ typedef struct ntp__compared {
     uint32_t most[4];
     int32_t different;   /* texels */
     int32_t found, left; /* angles; all others are 0 */
-    /* Given: where those found are counted, as ntp__angle_sums has it, and a bin that is thought to be the
-     * fullest.  Counting it together is quicker; another one may be put here for the next time. */
-    int32_t fullest, last;
+    /* Given: a bin that is thought to be the fullest, for a kernel may be quicker to count it apart and may
+     * think of another one; and where those found are counted, as ntp__angle_sums has it */
+    int32_t fullest;
     uint32_t *bins;
     /* Of those left: |v x w|^2 and v . w */
     double s2[LEFT + 16], d[LEFT + 16];

@@ -12,7 +12,11 @@
  * min(s, |d|)/max(s, |d|) is found to 1.6e-5 for that, 3.3e-5 for a polynomial of 14 terms, 6.1e-5 for
  * rounding to PART_BITS places, and 1e-6 for all else: less than two of the last place in all.  So what
  * processors make of r changes nothing but which angles are left, as in doubt, to texel/angles_tmpl.h.
- * Left are opposite vectors too, of which compare.c asks.
+ * Left are opposite vectors too.
+ *
+ * Each loop takes few steps that wait for each other, so that many of its turns are under way at once: one has
+ * the products, one small angles, one adds these up, and bins are counted along with the products of the
+ * next block.
  *
  * Fused products only make errors smaller.  The squares of 16 bit have none, for they are handed on.
  */
@@ -21,7 +25,7 @@
 #include "picture/small_angles.h"
 #include "texel/packed_avx512_tmpl.h"
 
-/* One more of the last place: of those in doubt only the lowest two bits can be set. */
+/* One more of the last place: of the places of those in doubt only the lowest two bits can be set. */
 #define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5 + 1.0 / (1 << PART_BITS))
 
 enum { STEP = LANES_512 };
@@ -31,22 +35,14 @@ typedef struct pairs {
     /* s^2 and d, times a power of 4 or 2 */
     _Alignas(64) double s2[NTP__BLOCK];
     double d[NTP__BLOCK];
-    uint16_t different[NTP__BLOCK / STEP]; /* bits of texels */
-    int32_t n, listed, bin[NTP__BLOCK + STEP];
+    /* Of these or of those that are left: angles as small_angle has them, bits of texels that have one, and
+     * of those for which it is right */
+    double angle[LEFT + STEP];
+    uint16_t different[LEFT / STEP], found[LEFT / STEP];
+    int32_t n, listed, bin[NTP__BLOCK + LEFT + STEP];
+    int32_t last; /* a bin that was found */
     uint32_t *bins;
 } pairs;
-
-/* Of some angles. */
-typedef struct tally {
-    /* Of micro-degrees + ROUND_BIN: no lane gets more than LEFT / STEP angles, below 2^32 */
-    __m512i sum, most;
-    __m512i fullest;
-    /* Bins but for the fullest */
-    int32_t bins, *bin;
-    /* Where 16 begin some of which are left, and bits of these */
-    int32_t some, at[LEFT / STEP];
-    uint16_t left[LEFT / STEP];
-} tally;
 
 /* |Differences| of levels, as the loops below have them. */
 typedef struct sums {
@@ -63,7 +59,7 @@ static inline __m512d quotient(__m512d low, __m512d s2, __m512d d2)
     return _mm512_fmadd_pd(_mm512_mul_pd(u, e), by, u);
 }
 
-/* atan(u) + ROUND_BIN + 1/2 in units of 2^-PART_BITS micro-degrees, with other bits above those of 180
+/* atan(u) + ROUND_BIN + 1/2 + 2^-PART_BITS in units of 2^-PART_BITS micro-degrees, with other bits above those of 180
  * degrees. */
 static inline __m512d small_angle(__m512d u)
 {
@@ -75,8 +71,8 @@ static inline __m512d small_angle(__m512d u)
     return _mm512_fmadd_pd(_mm512_fmadd_pd(r, w2, p), u, _mm512_set1_pd(TO_PARTS));
 }
 
-/* As small_angle, of any vectors that are not opposite. */
-static inline __m512d any_angle(__m512d s2, __m512d d)
+/* As small_angle, of any vectors that are not opposite.  Terms of odd and of even powers are added apart. */
+ONE_COPY static __m512d any_angle(__m512d s2, __m512d d)
 {
     static const double terms[] = {
         -0x1.a66f351242a8cp+13, 0x1.b565140a561e2p+16,  -0x1.a9e3b031273a9p+18,
@@ -91,7 +87,7 @@ static inline __m512d any_angle(__m512d s2, __m512d d)
     const __mmask8 behind = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_LT_OQ);
     const __m512d w2 = _mm512_mul_pd(w, w);
     __m512d odd = _mm512_set1_pd(terms[0]), even = _mm512_set1_pd(terms[1]);
-#pragma GCC unroll 6
+#pragma GCC unroll 1
     for (size_t k = 2; k < sizeof terms / sizeof *terms; k += 2) {
         odd = _mm512_fmadd_pd(odd, w2, _mm512_set1_pd(terms[k]));
         even = _mm512_fmadd_pd(even, w2, _mm512_set1_pd(terms[k + 1]));
@@ -112,64 +108,69 @@ ONE_COPY static void add_channel(ntp__compared *out, int k, __m512i sum, __m512i
     out->most[k] = greatest > out->most[k] ? greatest : out->most[k];
 }
 
-/* Adds those of 16 angles that are sure, of eight and eight at `low` and `high`; all others of
- * `different` are left. */
-static inline void add_angles(tally *t, __m512d v, __m512d w, __mmask8 low, __mmask8 high,
-                              __mmask16 different, int32_t at)
+/* Puts s2 and d of those in bits of 16 side by side; returns how many. */
+static inline int32_t gather(double *to_s2, double *to_d, const double *s2, const double *d,
+                             uint32_t bits)
+{
+    int32_t n = 0;
+    for (int k = 0; k < 2; k++, s2 += STEP / 2, d += STEP / 2, bits >>= 8) {
+        const __m512d v = _mm512_loadu_pd(s2), w = _mm512_loadu_pd(d);
+        _mm512_storeu_pd(to_s2 + n, _mm512_maskz_compress_pd((__mmask8) bits, v));
+        _mm512_storeu_pd(to_d + n, _mm512_maskz_compress_pd((__mmask8) bits, w));
+        n += __builtin_popcount(bits & 255);
+    }
+    return n;
+}
+
+/* Adds those of n angles that are found and not in doubt.  s2 and d of all others are left, behind `left`
+ * of them; they may be there, too. */
+ONE_COPY static void add_angles(ntp__compared *out, pairs *p, const double *s2, const double *d,
+                                int32_t n, int32_t left)
 {
     const __m512i evens =
         _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
     const __m512i odds = _mm512_add_epi32(evens, _mm512_set1_epi32(1));
-    const __m512i parts = _mm512_set1_epi64((1 << PART_BITS) - 4);
-    const __m512i v0 = _mm512_castpd_si512(v), v1 = _mm512_castpd_si512(w);
-    const __m512i a0 = _mm512_srli_epi64(v0, PART_BITS), a1 = _mm512_srli_epi64(v1, PART_BITS);
-    const __mmask16 clear = _mm512_kunpackb(_mm512_mask_test_epi64_mask(high, v1, parts),
-                                            _mm512_mask_test_epi64_mask(low, v0, parts));
-    const __mmask16 sure = _kand_mask16(clear, different), left = _kandn_mask16(clear, different);
-    const __m512i angle = _mm512_permutex2var_epi32(a0, evens, a1);
-    const __m512i by = _mm512_set1_epi32(BY_1000);
-    const __m512i bin = _mm512_srli_epi32(
-        _mm512_permutex2var_epi32(_mm512_mul_epu32(a0, by), odds, _mm512_mul_epu32(a1, by)),
-        BY_BITS);
-    const __mmask16 listed = _mm512_mask_cmpneq_epi32_mask(sure, bin, t->fullest);
-    t->sum = _mm512_mask_add_epi32(t->sum, sure, t->sum, angle);
-    t->most = _mm512_mask_max_epu32(t->most, sure, t->most, angle);
-    _mm512_storeu_si512(t->bin + t->bins, _mm512_maskz_compress_epi32(listed, bin));
-    t->bins += __builtin_popcount(_cvtmask16_u32(listed));
-    /* No branch, for it would be taken at random */
-    t->at[t->some] = at;
-    t->left[t->some] = (uint16_t) _cvtmask16_u32(left);
-    t->some += _cvtmask16_u32(left) != 0;
-}
-
-static inline void start(tally *t, const ntp__compared *out, int32_t *bin)
-{
-    t->sum = t->most = _mm512_setzero_si512();
-    t->fullest = _mm512_set1_epi32(out->fullest);
-    t->bins = t->some = 0;
-    t->bin = bin;
-}
-
-/* Puts those of s2 and d that are left side by side, behind `left` of them; s2 and d may be there, too.
- * Stores of nothing, all to one place, are slow: these are not with those of the bins. */
-ONE_COPY static void finish(ntp__compared *out, tally *t, const double *s2, const double *d,
-                            int32_t left)
-{
-    for (int32_t i = 0; i < 2 * t->some; i++) {
-        const int32_t at = t->at[i / 2] + STEP / 2 * (i & 1);
-        const __mmask8 these = (__mmask8) (t->left[i / 2] >> 8 * (i & 1));
-        const __m512d v = _mm512_loadu_pd(s2 + at), w = _mm512_loadu_pd(d + at);
-        _mm512_storeu_pd(out->s2 + left, _mm512_maskz_compress_pd(these, v));
-        _mm512_storeu_pd(out->d + left, _mm512_maskz_compress_pd(these, w));
-        left += __builtin_popcount(these);
+    const __m512i parts = _mm512_set1_epi64((1 << PART_BITS) - 4), by = _mm512_set1_epi32(BY_1000);
+    const __m512i fullest = _mm512_set1_epi32(out->fullest);
+    /* Of micro-degrees + ROUND_BIN: no lane gets more than LEFT / STEP angles, below 2^32 */
+    __m512i sum = _mm512_setzero_si512(), most = sum;
+    int32_t *const bin = p->bin + p->listed;
+    int32_t bins = 0, some = 0, at[LEFT / STEP];
+    uint16_t bits[LEFT / STEP];
+    for (int32_t i = 0; i < n; i += STEP) {
+        const __m512i v0 = _mm512_load_si512(p->angle + i);
+        const __m512i v1 = _mm512_load_si512(p->angle + i + STEP / 2);
+        const __m512i a0 = _mm512_srli_epi64(v0, PART_BITS), a1 = _mm512_srli_epi64(v1, PART_BITS);
+        const __mmask16 clear =
+            _mm512_kunpackb(_mm512_test_epi64_mask(v1, parts), _mm512_test_epi64_mask(v0, parts));
+        const __mmask16 sure = _kand_mask16(clear, _cvtu32_mask16(p->found[i / STEP]));
+        const __m512i angle = _mm512_permutex2var_epi32(a0, evens, a1);
+        const __m512i b = _mm512_srli_epi32(
+            _mm512_permutex2var_epi32(_mm512_mul_epu32(a0, by), odds, _mm512_mul_epu32(a1, by)),
+            BY_BITS);
+        /* Many of one bin would wait for each other. */
+        const __mmask16 listed = _mm512_mask_cmpneq_epi32_mask(sure, b, fullest);
+        sum = _mm512_mask_add_epi32(sum, sure, sum, angle);
+        most = _mm512_mask_max_epu32(most, sure, most, angle);
+        _mm512_storeu_si512(bin + bins, _mm512_maskz_compress_epi32(listed, b));
+        bins += __builtin_popcount(_cvtmask16_u32(listed));
+        /* No branch, for it would be taken at random.  Stores of nothing, all to one place, are slow: those
+         * that are left are gathered later. */
+        const uint32_t others = p->different[i / STEP] & ~_cvtmask16_u32(sure);
+        at[some] = i;
+        bits[some] = (uint16_t) others;
+        some += others != 0;
     }
+    for (int32_t i = 0; i < some; i++)
+        left += gather(out->s2 + left, out->d + left, s2 + at[i], d + at[i], bits[i]);
+    add_channel(out, ANGLES, sum, most);
     out->left = left;
-    add_channel(out, ANGLES, t->sum, t->most);
-    out->found += t->bins;
-    out->last = t->bins > 0 ? t->bin[0] : out->last;
+    out->found += bins;
+    p->last = bins > 0 ? bin[0] : p->last;
+    p->listed += bins;
 }
 
-static inline __mmask8 is_small(__m512d u, __m512d d)
+static inline uint32_t is_small(__m512d u, __m512d d)
 {
     const __mmask8 ahead = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_GT_OQ);
     return _mm512_mask_cmp_pd_mask(ahead, u, _mm512_set1_pd(SMALL), _CMP_LE_OQ);
@@ -178,43 +179,38 @@ static inline __mmask8 is_small(__m512d u, __m512d d)
 /* The small angles of texels that are different. */
 static void find_small(ntp__compared *out, pairs *p)
 {
-    int32_t all = 0;
-    tally t;
-    ntp__count_bins(p->bins, p->bin, p->listed);
-    start(&t, out, p->bin);
     for (int32_t i = 0; i < p->n; i += STEP) {
-        const __mmask16 different = _cvtu32_mask16(p->different[i / STEP]);
-        const __m512d s0 = _mm512_load_pd(p->s2 + i), s1 = _mm512_load_pd(p->s2 + i + STEP / 2);
-        const __m512d d0 = _mm512_load_pd(p->d + i), d1 = _mm512_load_pd(p->d + i + STEP / 2);
-        const __m512d u0 = quotient(s0, s0, _mm512_mul_pd(d0, d0));
-        const __m512d u1 = quotient(s1, s1, _mm512_mul_pd(d1, d1));
-        all += __builtin_popcount(p->different[i / STEP]);
-        add_angles(&t, small_angle(u0), small_angle(u1), is_small(u0, d0), is_small(u1, d1),
-                   different, i);
+        const uint16_t different = p->different[i / STEP];
+        uint32_t small = 0;
+        for (int32_t k = 0; k < STEP; k += STEP / 2) {
+            const __m512d s2 = _mm512_load_pd(p->s2 + i + k), d = _mm512_load_pd(p->d + i + k);
+            const __m512d u = quotient(s2, s2, _mm512_mul_pd(d, d));
+            small |= is_small(u, d) << k;
+            _mm512_store_pd(p->angle + i + k, small_angle(u));
+        }
+        p->found[i / STEP] = different & (uint16_t) small;
+        out->different += __builtin_popcount(different);
     }
-    out->different += all;
-    p->listed = t.bins;
-    finish(out, &t, p->s2, p->d, out->left);
+    add_angles(out, p, p->s2, p->d, p->n, out->left);
 }
 
 /* The angles of those that were left from `first` on; then those in doubt are. */
-static void find_others(ntp__compared *out, int32_t first)
+static void find_others(ntp__compared *out, pairs *p, int32_t first)
 {
-    const __m512d zero = _mm512_setzero_pd();
-    int32_t bin[LEFT + STEP];
-    tally t;
-    start(&t, out, bin);
-    for (int32_t i = first; i < out->left; i += STEP) {
-        const double *const s2 = out->s2 + i, *const d = out->d + i;
-        const __m512d s0 = _mm512_loadu_pd(s2), s1 = _mm512_loadu_pd(s2 + STEP / 2);
-        const __m512d d0 = _mm512_loadu_pd(d), d1 = _mm512_loadu_pd(d + STEP / 2);
-        const uint32_t here = out->left - i < STEP ? (1U << (out->left - i)) - 1 : UINT16_MAX;
-        add_angles(&t, any_angle(s0, d0), any_angle(s1, d1),
-                   _mm512_cmp_pd_mask(s0, zero, _CMP_GT_OQ),
-                   _mm512_cmp_pd_mask(s1, zero, _CMP_GT_OQ), _cvtu32_mask16(here), i);
+    const double *const s2 = out->s2 + first, *const d = out->d + first;
+    const int32_t n = out->left - first;
+    for (int32_t i = 0; i < n; i += STEP) {
+        const uint32_t here = n - i < STEP ? (1U << (n - i)) - 1 : UINT16_MAX;
+        uint32_t some = 0;
+        for (int32_t k = 0; k < STEP; k += STEP / 2) {
+            const __m512d v = _mm512_loadu_pd(s2 + i + k), w = _mm512_loadu_pd(d + i + k);
+            some |= (uint32_t) _mm512_cmp_pd_mask(v, _mm512_setzero_pd(), _CMP_GT_OQ) << k;
+            _mm512_store_pd(p->angle + i + k, any_angle(v, w));
+        }
+        p->different[i / STEP] = (uint16_t) here;
+        p->found[i / STEP] = (uint16_t) (here & some);
     }
-    finish(out, &t, out->s2, out->d, first);
-    ntp__count_bins(out->bins, bin, t.bins);
+    add_angles(out, p, s2, d, n, first);
 }
 
 /* s2 and d of the next 16, and bits of those that are different. */
@@ -368,14 +364,15 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
     p.listed = 0;
     p.bins = out->bins;
     memset(out, 0, offsetof(ntp__compared, fullest));
-    out->last = out->fullest;
+    p.last = out->fullest;
     do {
         const uint8_t *const va = (const uint8_t *) a + texel * (span - rest);
         const uint8_t *const vb = (const uint8_t *) b + texel * (span - rest);
         rest = take_steps(&p, &sum, va, vb, rest, deep);
+        count_rest(&p);
         find_small(out, &p);
         if (rest == 0 || out->left > KEPT) {
-            find_others(out, kept);
+            find_others(out, &p, kept);
             kept = out->left;
         }
     } while (rest > 0 && out->left <= KEPT);
@@ -383,12 +380,12 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
         finish16(out, &sum);
     else
         finish8(out, &sum);
-    ntp__count_bins(out->bins, p.bin, p.listed);
+    count_rest(&p);
     const int32_t found = out->different - out->left;
     out->bins[out->fullest] += (uint32_t) (found - out->found);
     out->found = found;
-    /* Bins of which there are many come up often. */
-    if (out->bins[out->last] > out->bins[out->fullest])
-        out->fullest = out->last;
+    /* Of bins that are taken anywhere, full ones come up soon. */
+    if (out->bins[p.last] > out->bins[out->fullest])
+        out->fullest = p.last;
     return span - rest;
 }

@@ -35,13 +35,21 @@ static inline void count_some(pairs *p)
     }
 }
 
-/* Goes along whole steps until the block is full; returns how many texels these are. */
-static inline __attribute__((always_inline)) int32_t
-take_whole(pairs *p, sums *sum, const uint8_t *a, const uint8_t *b, int32_t n, bool deep)
+/* Counts those that are not counted yet. */
+ONE_COPY static void count_rest(pairs *p)
+{
+    ntp__count_angles(p->bins, p->bin, p->listed);
+    p->listed = 0;
+}
+
+/* Goes along whole steps, at least one, until the block is full; returns how many texels these are. */
+static inline __attribute__((always_inline)) int32_t take_whole(pairs *p, sums *sum,
+                                                                const uint8_t *a, const uint8_t *b,
+                                                                int32_t n, bool deep)
 {
     const int32_t bytes = (deep ? 6 : 3) * STEP;
     int32_t i = 0;
-    for (; i < n && p->n < NTP__BLOCK; i += STEP, a += bytes, b += bytes) {
+    do {
         /* As numbers: they may be beyond the picture, where this does nothing. */
         __builtin_prefetch((const void *) ((uintptr_t) a + AHEAD));
         __builtin_prefetch((const void *) ((uintptr_t) b + AHEAD));
@@ -50,18 +58,22 @@ take_whole(pairs *p, sums *sum, const uint8_t *a, const uint8_t *b, int32_t n, b
             step16(p, sum, a, b);
         else
             step8(p, sum, a, b);
-    }
+        i += STEP;
+        a += bytes;
+        b += bytes;
+    } while (i < n && p->n < NTP__BLOCK);
     return i;
 }
 
-/* Goes on until a block is full; returns how many texels are left.  Calls would keep constants out of
- * registers in the loop above: the last texels are copied here. */
+/* Goes on until a block is full, for a step at least; returns how many texels are left.  A call would
+ * keep constants out of registers in the loop above: the last texels are copied here. */
 static inline int32_t take_steps(pairs *p, sums *sum, const uint8_t *a, const uint8_t *b, int32_t n,
                                  bool deep)
 {
     const int32_t texel = deep ? 6 : 3;
     uint8_t few[2][BYTES];
-    for (p->n = 0; n > 0 && p->n < NTP__BLOCK;) {
+    p->n = 0;
+    do {
         int32_t some = n & -STEP;
         if (n < STEP) {
             a = copy_last(few[0], a, texel * n);
@@ -72,6 +84,6 @@ static inline int32_t take_steps(pairs *p, sums *sum, const uint8_t *a, const ui
         a += texel * some;
         b += texel * some;
         n -= some;
-    }
+    } while (n > 0 && p->n < NTP__BLOCK);
     return n < 0 ? 0 : n;
 }

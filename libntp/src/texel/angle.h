@@ -43,7 +43,7 @@ static inline void ntp__angles_add(ntp__angle_sums *angles, uint32_t angle, uint
 }
 
 /* Counts n bins, each one more; changes the one after the last. */
-static inline void ntp__count_bins(uint32_t *bins, int32_t *bin, int32_t n)
+static inline void ntp__count_angles(uint32_t *bins, int32_t *bin, int32_t n)
 {
     bin[n] = 0; /* the partner of the last */
     for (int32_t i = 0; i < n; i += 2) {
