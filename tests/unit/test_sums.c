@@ -119,7 +119,10 @@ static int32_t add_packed(close_check *k, int32_t n)
     uint16_t *const rgb = g.data;
     for (int32_t i = 0; i < 3 * n; i++)
         rgb[i] = (uint16_t) k->block.c[i % 3][i / 3];
-    const int32_t count = ntp__add_far_rgb_avx512(&k->some, &k->far, &survey, &k->block, rgb, n);
+    int32_t done = n;
+    const int32_t count =
+        ntp__add_far_rgb_avx512(&k->some, &k->far, &survey, &k->block, rgb, &done);
+    CHECK(done == n);
     for (int32_t e = 0; e < 3; e++) {
         uint32_t least = 65535, greatest = 0, sum = 0;
         for (int32_t i = 0; i < n; i++) {

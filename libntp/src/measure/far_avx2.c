@@ -37,7 +37,7 @@
 #  define INLINE static inline
 #endif
 
-enum { STEP = NTP__FAR_STEP, ROOM = STEP + 8, OTHERS = STEP, ALL = 2 * STEP + 8 };
+enum { STEP = NTP__FAR_STEP / 2, ROOM = STEP + 8, OTHERS = STEP, ALL = 2 * STEP + 8 };
 
 /* What is found out about up to STEP texels, in planes: long loops would leave room for few steps in
  * flight. */
@@ -429,7 +429,7 @@ static void sum_angles(ntp__sums *sums, far_texels *f)
         const __m256i bin = divided(_mm256_add_epi32(angle, eight(500)), 274877907, 38);
         const __m256i bin_harm = divided(_mm256_add_epi32(first, eight(9999)), 3518437209, 45);
         const __m256i base = _mm256_add_epi32(its, eight(HARM));
-        put_two(f->places.words + STEP + i, _mm256_add_epi32(bin, eight(ANGLES)),
+        put_two(f->places.words + NTP__FAR_STEP + i, _mm256_add_epi32(bin, eight(ANGLES)),
                 _mm256_add_epi32(bin_harm, base));
     }
     end_kind(&sums->angles.texels, &sums->angles.sum, &sums->angles.max, &all);

@@ -19,15 +19,17 @@
 #include <stddef.h>
 #include <string.h>
 
-enum { STEP = NTP__FAR_STEP, OTHERS = STEP, ALL = 2 * STEP + LANES_512 };
+enum { STEP = NTP__FAR_STEP, ALL = 2 * STEP + LANES_512 };
 
-/* Sums of whole blocks: 32 bits of 16 lanes hold those of 256 angles, which are below 2^27.5. */
+/* Sums of up to MOST texels; of angles, which are below 2^27.5, 32 bits of 16 lanes hold those of 256. */
+enum { MOST = 4096 };
+
 typedef struct far_lengths {
     __m512i sum, least, greatest, squares, of_padding;
 } far_lengths;
 
 typedef struct far_angles {
-    __m512i sum, greatest;
+    __m512i sum, greatest; /* of 64 bits, of 32 */
     uint32_t texels;
 } far_angles;
 
@@ -38,16 +40,19 @@ typedef struct far_texels {
     int32_t harm[STEP]; /* which kind, times ONE_HARM */
     int32_t off[STEP];  /* lengths from 1 */
     int32_t blue[STEP];
-    /* Vectors and other z for their x and y, which make angles: those of harm; from OTHERS on those of
-     * texels below the horizon, and their derived blues, before those that are too long. */
-    int32_t xy[ALL], z[ALL], w[ALL], turn[ALL];
-    double s2[ALL], d[ALL];
-    int32_t n, negative, too_long;
+    int32_t xy[STEP], z[STEP], root[STEP];
+    /* Angles, and what they are made of: those of harm; then those of texels below the horizon to their clean
+     * vectors, and of those that are too long. */
+    int32_t turn[ALL];
+    double s[ALL], d[ALL], s2[STEP + LANES_512];
+    int32_t n, negative, too_long, padding;
+    int32_t padded[STEP + LANES_512]; /* places of padding with harm */
     __mmask16 is_lower[STEP / LANES_512], is_long[STEP / LANES_512], is_padding[STEP / LANES_512];
-    int32_t c[3][STEP + LANES_512]; /* those that are too long */
+    int32_t rg_long[STEP + LANES_512], b_long[STEP + LANES_512];
     /* Texels without neighbors that wait for more. */
     int32_t rg[2 * LANES_512], b[2 * LANES_512], waiting;
     struct far_sums {
+        surveyed seen;
         __m512i most[2]; /* levels */
         far_lengths lengths[2];
         /* Distances of lengths from 1: of this bin of steepness and the following; of padding */
@@ -142,36 +147,42 @@ static inline void put_two(uint64_t *to, __m512i v, __m512i w)
     store(to + 8, _mm512_unpackhi_epi32(v, w));
 }
 
-/* How far blue is from the derived ones, of these roots. */
-static inline void note_levels(far_texels *f, const far_lanes *v, __m512i root, __mmask16 longs)
+/* Derives blues, and notes how far blue is from these. */
+static inline void note_levels(far_texels *f)
 {
-    const __mmask16 fine = (__mmask16) ~longs;
-    const __m512i off = _mm512_abs_epi32(_mm512_sub_epi32(v->up, root));
-    /* as in blue_avx2_tmpl.h */
-    const __m512i more = _mm512_sub_epi32(v->e, _mm512_madd_epi16(root, root));
-    const __m512i d2 = _mm512_add_epi32(more, more), t2 = _mm512_add_epi32(root, root);
-    __m512i blue = _mm512_add_epi32(t2, all(2));
-    blue = _mm512_mask_sub_epi32(blue, _mm512_cmpgt_epi32_mask(root, _mm512_add_epi32(d2, all(1))),
-                                 blue, all(1));
-    blue = _mm512_mask_sub_epi32(blue, _mm512_cmpgt_epi32_mask(_mm512_add_epi32(t2, root), d2),
-                                 blue, all(1));
-    const __m512i off_zz = _mm512_abs_epi32(_mm512_sub_epi32(v->b, blue));
-    f->sums.most[0] = _mm512_mask_max_epi32(f->sums.most[0], fine, f->sums.most[0], off);
-    f->sums.most[1] = _mm512_mask_max_epi32(f->sums.most[1], fine, f->sums.most[1], off_zz);
-    put_two(f->places.words + f->n,
-            _mm512_mask_add_epi32(all(LEVELS + NTP__NO_BLUE), fine, off, all(LEVELS)),
-            _mm512_mask_add_epi32(all(LEVELS_ZZ + NTP__NO_BLUE), fine, off_zz, all(LEVELS_ZZ)));
+    __m512i most = f->sums.most[0], most_zz = f->sums.most[1];
+    for (int32_t i = 0; i < f->n; i += LANES_512) {
+        const __m512i e = _mm512_sub_epi32(all(REST_16), load(f->xy + i)), b = load(f->blue + i);
+        const __m512i root = root_of(e, true), z = _mm512_sub_epi32(b, all(K));
+        const __m512i up = _mm512_xor_si512(z, _mm512_srai_epi32(z, 31));
+        const __mmask16 fine = (__mmask16) ~f->is_long[group_of(i)];
+        const __m512i off = _mm512_abs_epi32(_mm512_sub_epi32(up, root));
+        /* as in blue_avx2_tmpl.h */
+        const __m512i more = _mm512_sub_epi32(e, _mm512_madd_epi16(root, root));
+        const __m512i d2 = _mm512_add_epi32(more, more), t2 = _mm512_add_epi32(root, root);
+        __m512i blue = _mm512_add_epi32(t2, all(2));
+        blue = _mm512_mask_sub_epi32(
+            blue, _mm512_cmpgt_epi32_mask(root, _mm512_add_epi32(d2, all(1))), blue, all(1));
+        blue = _mm512_mask_sub_epi32(blue, _mm512_cmpgt_epi32_mask(_mm512_add_epi32(t2, root), d2),
+                                     blue, all(1));
+        const __m512i off_zz = _mm512_abs_epi32(_mm512_sub_epi32(b, blue));
+        most = _mm512_mask_max_epi32(most, fine, most, off);
+        most_zz = _mm512_mask_max_epi32(most_zz, fine, most_zz, off_zz);
+        store(f->root + i, odd_of(root));
+        put_two(f->places.words + i,
+                _mm512_mask_add_epi32(all(LEVELS + NTP__NO_BLUE), fine, off, all(LEVELS)),
+                _mm512_mask_add_epi32(all(LEVELS_ZZ + NTP__NO_BLUE), fine, off_zz, all(LEVELS_ZZ)));
+    }
+    f->sums.most[0] = most;
+    f->sums.most[1] = most_zz;
 }
 
 /* Notes sixteen texels. */
 static inline void note(far_texels *f, const far_lanes *v)
 {
     enum { PADDED = M / 2 - (16 * 257 - 128) }; /* above: 16 levels of 8 bit from an end */
-    const __m512i xy = _mm512_sub_epi32(all(REST_16), v->e), root = root_of(v->e, true);
+    const __m512i xy = _mm512_sub_epi32(all(REST_16), v->e);
     const __m512i least = _mm512_min_epu16(v->q, _mm512_rol_epi32(v->q, 16));
-    const __m512i z = _mm512_add_epi32(_mm512_add_epi32(v->z, v->z), all(1));
-    const __m512i w = _mm512_add_epi32(_mm512_add_epi32(root, root), all(1));
-    const __m512i size = _mm512_add_epi32(_mm512_add_epi32(v->up, v->up), all(1));
     const __mmask16 padding = _mm512_cmpgt_epi32_mask(_mm512_srli_epi32(least, 16), all(PADDED));
     const __mmask16 longs = is_negative(v->e),
                     negative = is_negative(_mm512_add_epi32(v->z, all(1)));
@@ -181,24 +192,20 @@ static inline void note(far_texels *f, const far_lanes *v)
     __m512i kind = _mm512_maskz_mov_epi32(pair, all(ONE_HARM));
     kind = _mm512_mask_mov_epi32(kind, negative, all(2 * ONE_HARM));
     kind = _mm512_mask_add_epi32(kind, pair & padding, kind, all(NTP__PADDING_HARM * ONE_HARM));
-    note_levels(f, v, root, longs);
     store(f->places.shape + f->n, key_of(v, xy, padding));
     store(f->blue + f->n, v->b);
     store(f->harm + f->n, kind);
     store(f->xy + f->n, xy);
-    store(f->z + f->n, z);
-    store(f->w + f->n, _mm512_mask_mov_epi32(w, negative, size));
-    append(f->xy + OTHERS + f->negative, lower, xy);
-    append(f->z + OTHERS + f->negative, lower, z);
-    append(f->w + OTHERS + f->negative, lower, w);
-    append(f->c[0] + f->too_long, longs, _mm512_and_si512(v->rg, all(M)));
-    append(f->c[1] + f->too_long, longs, _mm512_srli_epi32(v->rg, 16));
-    append(f->c[2] + f->too_long, longs, v->b);
+    store(f->z + f->n, odd_of(v->z));
+    append(f->rg_long + f->too_long, longs, v->rg);
+    append(f->b_long + f->too_long, longs, v->b);
+    append(f->padded + f->padding, pair & padding, steps_of(1, f->n));
     f->is_lower[group_of(f->n)] = lower;
     f->is_long[group_of(f->n)] = longs;
     f->is_padding[group_of(f->n)] = padding;
     f->negative += count_of(lower);
     f->too_long += count_of(longs);
+    f->padding += count_of(pair & padding);
     f->n += LANES_512;
 }
 
@@ -262,42 +269,89 @@ static void end_lengths(ntp__fit_sums *fit, const far_lengths *s)
     ntp__merge_max(&fit->length_inverted_min, greatest_of(&inverted));
 }
 
-ONE_COPY static void find_turns(int32_t *angle, const double *s2, const double *d, int32_t n)
+/* The place of a texel below the horizon, by its place among these. */
+static int32_t find_lower(const far_texels *f, int32_t left)
 {
-    double u[STEP + 8], base[STEP + 8];
-    turns_of(angle, u, base, s2, d, n);
+    const __mmask16 *these = f->is_lower;
+    for (; left >= count_of(*these); these++)
+        left -= count_of(*these);
+    uint32_t lower = *these;
+    for (; left > 0; left--)
+        lower &= lower - 1;
+    return (int32_t) (these - f->is_lower) * LANES_512 + __builtin_ctz(lower);
+}
+
+static int32_t turn_again(const far_texels *f, int32_t at)
+{
+    const int32_t longs = f->n + f->negative, i = at < f->n ? at : find_lower(f, at - f->n);
+    if (at >= longs)
+        return slow_turn(f->s2[at - longs], f->d[at]);
+    const double w = at < f->n && f->z[i] < -1 ? -f->z[i] : f->root[i], far = f->z[i] - w;
+    return slow_turn((4.0 * f->xy[i] + 2) * far * far, f->d[at]);
 }
 
 /* All angles. */
 static void turn_vectors(far_texels *f)
 {
-    const __m512i zero = _mm512_setzero_si512();
-    const int32_t longs = OTHERS + f->negative;
-    store(f->xy + longs, zero);
-    store(f->z + longs, zero);
-    store(f->w + longs, zero);
-    for (int32_t k = 0; k < 3; k++)
-        store(f->c[k] + f->too_long, zero);
-    flat_products(f->s2, f->d, f->xy, f->z, f->w, f->n);
-    flat_products(f->s2 + OTHERS, f->d + OTHERS, f->xy + OTHERS, f->z + OTHERS, f->w + OTHERS,
-                  f->negative);
-    ntp__long_products_avx2(f->s2 + longs, f->d + longs, f->c[0], f->c[1], f->c[2], f->too_long);
-    find_turns(f->turn, f->s2, f->d, f->n);
-    find_turns(f->turn + OTHERS, f->s2 + OTHERS, f->d + OTHERS, f->negative + f->too_long);
+    double u[ALL], base[ALL];
+    int32_t again[ALL], pulled[STEP], lower = f->n;
+    store(f->rg_long + f->too_long, _mm512_setzero_si512());
+    store(f->b_long + f->too_long, _mm512_setzero_si512());
+    for (int32_t i = 0; i < f->n; i += 8) {
+        const __m512d z = doubles_of(f->z + i), w = doubles_of(f->root + i),
+                      zero = _mm512_setzero_pd();
+        const __m512d rho2 = _mm512_fmadd_pd(doubles_of(f->xy + i), eight(4), eight(2));
+        const __m512d rho = root_of_doubles(rho2);
+        const __mmask8 negative = _mm512_cmp_pd_mask(z, eight(-1), _CMP_LT_OQ);
+        const __mmask8 these = (__mmask8) (f->is_lower[group_of(i)] >> i % LANES_512);
+        __m512d s, d;
+        flat_products(&s, &d, rho, rho2, z, _mm512_mask_sub_pd(w, negative, zero, z));
+        _mm512_storeu_pd(f->s + i, s);
+        _mm512_storeu_pd(f->d + i, d);
+        flat_products(&s, &d, rho, rho2, z, w);
+        _mm512_storeu_pd(f->s + lower, _mm512_maskz_compress_pd(these, s));
+        _mm512_storeu_pd(f->d + lower, _mm512_maskz_compress_pd(these, d));
+        lower += __builtin_popcount(these);
+    }
+    long_products(f->s + lower, f->s2, f->d + lower, pulled, f->rg_long, f->b_long, f->too_long);
+    int32_t left = turns_of(f->turn, again, u, base, f->s, f->d, lower + f->too_long);
+    while (left-- > 0)
+        f->turn[again[left]] = turn_again(f, again[left]);
 }
 
-static inline void add_angles(far_angles *sums, __m512i angle, __mmask16 which)
+/* Those of one step. */
+typedef struct some_angles {
+    __m512i sum, greatest;
+    int32_t texels;
+} some_angles;
+
+static inline void no_angles(some_angles *of)
 {
-    sums->sum = _mm512_mask_add_epi32(sums->sum, which, sums->sum, angle);
-    sums->greatest = _mm512_mask_max_epi32(sums->greatest, which, sums->greatest, angle);
-    sums->texels += (uint32_t) count_of(which);
+    of->sum = of->greatest = _mm512_setzero_si512();
+    of->texels = 0;
+}
+
+static inline void add_angles(some_angles *of, __m512i angle, __mmask16 which)
+{
+    of->sum = _mm512_mask_add_epi32(of->sum, which, of->sum, angle);
+    of->greatest = _mm512_mask_max_epi32(of->greatest, which, of->greatest, angle);
+    of->texels += count_of(which);
+}
+
+static inline void merge_angles(far_angles *into, const some_angles *from)
+{
+    const __m512i even = _mm512_and_si512(from->sum, _mm512_set1_epi64(UINT32_MAX));
+    const __m512i both = _mm512_add_epi64(even, _mm512_srli_epi64(from->sum, 32));
+    into->sum = _mm512_add_epi64(into->sum, both);
+    into->greatest = _mm512_max_epi32(into->greatest, from->greatest);
+    into->texels += (uint32_t) from->texels;
 }
 
 static void end_angles(uint64_t *count, uint64_t *sum, uint64_t *max, const far_angles *sums)
 {
     const uint32_t most = greatest_of(&sums->greatest);
     *count += sums->texels;
-    *sum += sum_of(&sums->sum);
+    *sum += (uint64_t) _mm512_reduce_add_epi64(sums->sum);
     *max = most > *max ? most : *max;
 }
 
@@ -311,9 +365,14 @@ static inline __m512i divided(__m512i v, uint32_t by, unsigned shift)
 }
 
 /* Sums angles, and makes words of them. */
-static void sum_angles(ntp__sums *sums, far_texels *f)
+static void sum_angles(far_texels *f)
 {
-    const int32_t *lower = f->turn + OTHERS, *longer = lower + f->negative;
+    const int32_t *lower = f->turn + f->n, *longer = lower + f->negative;
+    some_angles every, failing, too_long, negative;
+    no_angles(&every);
+    no_angles(&failing);
+    no_angles(&too_long);
+    no_angles(&negative);
     for (int32_t i = 0; i < f->n; i += LANES_512) {
         const __mmask16 is_lower = f->is_lower[group_of(i)], is_long = f->is_long[group_of(i)];
         const __m512i its = load(f->harm + i);
@@ -325,30 +384,33 @@ static void sum_angles(ntp__sums *sums, far_texels *f)
         /* Those that are too long, and not below the horizon. */
         turn = _mm512_mask_mov_epi32(
             turn, is_long & _mm512_cmpge_epi32_mask(load(f->z + i), all(-1)), angle);
-        add_angles(&f->sums.angles, angle, 0xFFFF);
-        UNROLLED
-        for (int32_t k = 0; k < NTP__HARM_KINDS; k++)
-            add_angles(&f->sums.kind[k], turn, _mm512_cmpeq_epi32_mask(its, all(k * ONE_HARM)));
+        add_angles(&every, angle, 0xFFFF);
+        add_angles(&failing, turn, _mm512_testn_epi32_mask(its, its));
+        add_angles(&too_long, turn, _mm512_cmpeq_epi32_mask(its, all(ONE_HARM)));
+        add_angles(&negative, turn, _mm512_cmpeq_epi32_mask(its, all(2 * ONE_HARM)));
         store(f->turn + i, turn);
-        const __mmask16 padding =
-            _mm512_cmpgt_epi32_mask(its, all((NTP__HARM_KINDS - 1) * ONE_HARM));
-        if (padding != 0)
-            ntp__add_padding_harm(sums, f->harm + i, f->turn + i, padding);
         const __m512i bin = divided(_mm512_add_epi32(angle, all(500)), 274877907, 38);
         const __m512i bin_harm = divided(_mm512_add_epi32(turn, all(9999)), 3518437209, 45);
         put_two(f->places.words + STEP + i, _mm512_add_epi32(bin, all(ANGLES)),
                 _mm512_add_epi32(bin_harm, _mm512_add_epi32(its, all(HARM))));
     }
+    merge_angles(&f->sums.angles, &every);
+    merge_angles(&f->sums.kind[0], &failing);
+    merge_angles(&f->sums.kind[1], &too_long);
+    merge_angles(&f->sums.kind[2], &negative);
 }
 
 static void add_judged(ntp__sums *sums, ntp__far_counts *far, far_texels *f)
 {
+    note_levels(f);
     add_lengths(&f->sums.lengths[0], f, f->z);
     add_errors(f);
     f->sums.error_zz =
         _mm512_add_epi32(f->sums.error_zz, add_lengths(&f->sums.lengths[1], f, f->blue));
     turn_vectors(f);
-    sum_angles(sums, f);
+    sum_angles(f);
+    for (int32_t i = 0; i < f->padding; i++)
+        ntp__add_padding_harm(sums, f->harm + f->padded[i], f->turn + f->padded[i], 1);
     sums->texels += (uint32_t) f->n;
     far->used = 1;
     ntp__count_places(sums, far, &f->places, f->n);
@@ -384,74 +446,86 @@ static void end(ntp__sums *sums, const far_texels *f)
 
 /* Notes sixteen texels of which those of the mask are to be, or has them wait.  Returns which ones are
  * neighbors. */
-ONE_COPY static __mmask16 judge(far_texels *f, const texels *t, __mmask16 which)
+static inline __mmask16 judge(far_texels *f, texels t, __mmask16 which)
 {
     far_lanes v;
-    const __mmask16 near = set_lanes(&v, *t) & which, far = which & (__mmask16) ~near;
+    const __mmask16 near = set_lanes(&v, t) & which, far = which & (__mmask16) ~near;
     if (far == 0xFFFF) {
         note(f, &v);
         return 0;
     }
-    append(f->rg + f->waiting, far, t->rg);
-    append(f->b + f->waiting, far, t->b);
+    append(f->rg + f->waiting, far, t.rg);
+    append(f->b + f->waiting, far, t.b);
     f->waiting += count_of(far);
     return near;
 }
 
-/* Notes those that wait, if they are sixteen. */
-static void end_wait(far_texels *f)
+/* Sixteen of those that wait. */
+static inline texels take_waiting(far_texels *f)
 {
     const texels t = { load(f->rg), load(f->b) };
-    if (f->waiting < LANES_512)
-        return;
     f->waiting -= LANES_512;
     store(f->rg, load(f->rg + LANES_512));
     store(f->b, load(f->b + LANES_512));
-    judge(f, &t, 0xFFFF);
+    return t;
 }
 
-/* Of packed texels, or where there are none, of a block; where any are odd, these are others. */
-static int32_t add_far(ntp__sums *sums, ntp__far_counts *far, ntp__block *block,
-                       const uint16_t *rgb, const __mmask16 *odd, int32_t n)
+/* Of packed texels, or where there are none, of a block; returns how many are others.  *n becomes how many are done:
+ * all of a block, and of more than that those up to others. */
+static int32_t add_far(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found, ntp__block *block,
+                       const uint16_t *rgb, int32_t *n)
 {
     enum { SKIPPED = 15 };
+    __mmask16 odd[STEP / LANES_512];
     far_texels f;
-    int32_t left = 0;
+    int32_t left = 0, i = 0;
     begin(&f);
-    for (int32_t i = 0; i < n;) {
-        f.n = f.negative = f.too_long = 0;
-        for (const int32_t last = i + STEP; i < n && i < last; i += LANES_512) {
-            const uint32_t some = n - i < LANES_512 ? (1U << (n - i)) - 1 : 0xFFFF;
+    while (i < *n && (i < NTP__BLOCK || left == 0)) {
+        const int32_t last = *n - i < STEP ? *n : i + STEP;
+        f.n = f.negative = f.too_long = f.padding = 0;
+        if (rgb != NULL)
+            survey(&f.sums.seen, odd, rgb + (size_t) 3 * i, last - i);
+        for (const __mmask16 *is_odd = odd; i < last || f.waiting >= LANES_512;) {
+            uint32_t some = 0xFFFF;
             __mmask16 others = 0;
             texels t;
-            if (rgb != NULL) {
-                t = take16((const uint8_t *) (rgb + (size_t) 3 * i));
-                others = odd[group_of(i)];
+            if (f.waiting >= LANES_512) {
+                t = take_waiting(&f);
             } else {
-                const __m512i g = load(block->c[1] + i);
-                t.rg = _mm512_or_si512(load(block->c[0] + i), _mm512_slli_epi32(g, 16));
-                t.b = load(block->c[2] + i);
+                if (last - i < LANES_512)
+                    some = (1U << (last - i)) - 1;
+                if (rgb != NULL) {
+                    t = take16((const uint8_t *) (rgb + (size_t) 3 * i));
+                    others = *is_odd++;
+                } else {
+                    t.rg = words_of(load(block->c[0] + i), load(block->c[1] + i));
+                    t.b = load(block->c[2] + i);
+                }
+                i += LANES_512;
             }
-            others |= judge(&f, &t, (__mmask16) some & (__mmask16) ~others);
+            others |= judge(&f, t, (__mmask16) some & (__mmask16) ~others);
             if (others == 0)
                 continue;
             append(block->c[0] + left, others, _mm512_and_si512(t.rg, all(M)));
             append(block->c[1] + left, others, _mm512_srli_epi32(t.rg, 16));
             append(block->c[2] + left, others, t.b);
             left += count_of(others);
-            end_wait(&f);
         }
+        i = last;
         if (f.n > 0)
             add_judged(sums, far, &f);
     }
-    for (int32_t i = 0; i < f.waiting; i++, left++) {
+    *n = i;
+    for (i = 0; i < f.waiting; i++, left++) {
         block->c[0][left] = f.rg[i] & M;
         block->c[1][left] = (int32_t) ((uint32_t) f.rg[i] >> 16);
         block->c[2][left] = f.b[i];
     }
-    if (left < n)
+    if (left < *n)
         end(sums, &f);
-    far->skip = left > n - (int32_t) ((uint32_t) n / 4) ? SKIPPED : 0;
+    if (rgb != NULL)
+        end_survey(found, &f.sums.seen);
+    far->skip = left > *n - (int32_t) ((uint32_t) *n / 4) ? SKIPPED : 0;
     return left;
 }
 
@@ -461,14 +535,12 @@ int32_t ntp__add_far_avx512(ntp__sums *sums, ntp__far_counts *far, ntp__block *b
         far->skip--;
         return n;
     }
-    return add_far(sums, far, block, NULL, NULL, n);
+    return add_far(sums, far, NULL, block, NULL, &n);
 }
 
 int32_t ntp__add_far_rgb_avx512(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found,
-                                ntp__block *left, const uint16_t *rgb, int32_t n)
+                                ntp__block *left, const uint16_t *rgb, int32_t *n)
 {
-    __mmask16 odd[NTP__BLOCK / LANES_512];
-    survey(found, odd, rgb, n);
-    found->odd = 0;
-    return add_far(sums, far, left, rgb, odd, n);
+    *n = *n < MOST ? *n & -LANES_512 : MOST;
+    return add_far(sums, far, found, left, rgb, n);
 }

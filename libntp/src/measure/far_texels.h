@@ -34,7 +34,7 @@ typedef struct ntp__far_counts {
     uint8_t few[sizeof(ntp__sums) / sizeof(uint32_t)]; /* by the words of ntp__sums */
 } ntp__far_counts;
 
-enum { NTP__FAR_STEP = 128 };
+enum { NTP__FAR_STEP = 256 };
 
 /* Where up to NTP__FAR_STEP texels are to be counted. */
 typedef struct ntp__far_places {
@@ -62,10 +62,10 @@ void ntp__long_products_avx2(double *s2, double *d, const int32_t *r, const int3
 /* As ntp__add_far_avx2, but none of the other texels of a group goes there, only up to 15 of all. */
 int32_t ntp__add_far_avx512(ntp__sums *sums, ntp__far_counts *far, ntp__block *block, int32_t n);
 
-/* The same of packed texels, all of which are surveyed: n is a multiple of 16, and at most NTP__BLOCK.  Those
- * that are odd (survey in texel/kernels.h) go to `left` too. */
+/* The same of packed texels, and those that are odd (survey in texel/kernels.h) go to `left` too.  *n, 16 or more,
+ * becomes how many are done and surveyed: a multiple of 16, and all of these if *n is at most NTP__BLOCK. */
 int32_t ntp__add_far_rgb_avx512(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found,
-                                ntp__block *left, const uint16_t *rgb, int32_t n);
+                                ntp__block *left, const uint16_t *rgb, int32_t *n);
 
 /* Adds to sums what `far` holds of the texels in `of`, or makes it empty. */
 void ntp__merge_far(ntp__sums *into, const ntp__far_counts *far, const ntp__sums *of);

@@ -355,16 +355,17 @@ static void count_row(ntp_tally *t, waiting *w, alpha_counts *alpha, const ntp_c
                  ntp__kernels(NTP__CPU_ALL)->count_exact != NULL;
     int32_t m = ntp__max(src->type), step = bytes ? x1 - x0 : NTP__BLOCK;
     const uint64_t used = t->narrow + t->wide.texels;
-    for (int32_t x = x0; x < x1; x += step) {
-        int32_t n = x1 - x < step ? x1 - x : step;
+    for (int32_t x = x0, n; x < x1; x += n) {
+        if (words && w->noise > 0 &&
+            (n = count_noise16(t, w, (const uint16_t *) ntp__at(src, x, y), x1 - x)) > 0)
+            continue;
+        n = x1 - x < step ? x1 - x : step;
         if (bytes && src->channels == 3) {
             count_rgb8(t, ntp__at(src, x, y), n);
         } else if (bytes) {
             count_rgba8(t, alpha, ntp__at(src, x, y), n);
         } else if (words && w->noise == 0) {
             count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), n);
-        } else if (words && count_noise16(t, w, (const uint16_t *) ntp__at(src, x, y), n)) {
-            continue;
         } else {
             ntp__block block;
             w->noise -= words;

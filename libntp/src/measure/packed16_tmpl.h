@@ -58,16 +58,15 @@ static void count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 }
 
 #ifdef NTP_HAVE_AVX512
-/* Where nearly all texels are far from exact these are counted straight from the pixels. */
-static bool count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+/* Where nearly all texels are far from exact these are counted straight from the pixels.  Returns how many are. */
+static int32_t count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 {
     enum { AT_ONCE = 16 };
     ntp__survey survey;
     ntp__block left;
-    if (t->far.first == 0 || t->far.skip > 0 || n % AT_ONCE != 0 ||
-        !ntp__cpu_has_avx512(NTP__CPU_ALL))
-        return false;
-    const int32_t others = ntp__add_far_rgb_avx512(&t->wide, &t->far, &survey, &left, p, n);
+    if (t->far.first == 0 || t->far.skip > 0 || n < AT_ONCE || !ntp__cpu_has_avx512(NTP__CPU_ALL))
+        return 0;
+    const int32_t others = ntp__add_far_rgb_avx512(&t->wide, &t->far, &survey, &left, p, &n);
     add_planes(t, &survey);
     t->is_wide |= others < n;
     if (others > n / 4)
@@ -77,12 +76,12 @@ static bool count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n
     for (int32_t k = 0; k < 3; k++)
         memcpy(w->block.c[k] + w->n, left.c[k], (size_t) others * sizeof left.c[k][0]);
     w->n += others;
-    return true;
+    return n;
 }
 #else
-static bool count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+static int32_t count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 {
     (void) t, (void) w, (void) p, (void) n;
-    return false;
+    return 0;
 }
 #endif

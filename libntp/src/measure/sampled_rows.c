@@ -97,8 +97,15 @@ static void empty_pair(ntp_tally *t, uint32_t place)
 
 static void add_pairs(ntp_tally *t, const int32_t *const c[3], int32_t n)
 {
+    uint32_t places[NTP__BLOCK];
     for (int32_t i = 0; i < n; i++) {
-        const uint32_t place = ntp__pair_place((uint32_t) c[0][i], (uint32_t) c[1][i]);
+        places[i] = ntp__pair_place((uint32_t) c[0][i], (uint32_t) c[1][i]);
+#ifdef __GNUC__
+        __builtin_prefetch(&t->pairs[places[i]], 1); /* those of noise are in none of the first caches */
+#endif
+    }
+    for (int32_t i = 0; i < n; i++) {
+        const uint32_t place = places[i];
         if (!t->pair_seen[place / NTP__PAIR_GROUP])
             ntp__begin_pairs(t, place / NTP__PAIR_GROUP);
         const uint32_t more = NTP__PAIR_TEXEL + (uint32_t) c[2][i];

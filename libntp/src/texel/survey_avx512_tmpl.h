@@ -25,13 +25,17 @@ ONE_COPY static uint32_t greatest_of(const __m512i *v)
     return _mm512_reduce_max_epu32(*v);
 }
 
-/* Extremes and sums of n packed texels, a multiple of 16; and which are odd, of each 16. */
-static void survey(ntp__survey *to, __mmask16 *odd, const uint16_t *rgb, int32_t n)
+/* Extremes and sums so far: of levels, and of those inverted; red and green in one. */
+typedef struct surveyed {
+    __m512i most, most_b, inverted, inverted_b, sum[3];
+} surveyed;
+
+/* Adds n packed texels, a multiple of 16, of 2^20 in all; tells which are odd, of each 16. */
+static inline void survey(surveyed *of, __mmask16 *odd, const uint16_t *rgb, int32_t n)
 {
     enum { AHEAD = NTP__BLOCK };
-    const __m512i zero = _mm512_setzero_si512(), ones = all(-1), low = all(65535);
-    __m512i most = zero, most_b = zero, inverted = zero, inverted_b = zero;
-    __m512i sum[3] = { zero, zero, zero };
+    const __m512i ones = all(-1), low = all(65535);
+    surveyed v = *of;
     for (int32_t i = 0; i < n; i += LANES_512) {
         const texels t = take16((const uint8_t *) (rgb + (size_t) 3 * i));
         const __m512i other = _mm512_xor_si512(t.rg, ones);
@@ -44,26 +48,33 @@ static void survey(ntp__survey *to, __mmask16 *odd, const uint16_t *rgb, int32_t
         /* 32767 and 32768 */
         const __m512i flat = _mm512_min_epu16(_mm512_xor_si512(t.rg, all(0x7FFF7FFF)),
                                               _mm512_xor_si512(other, all(0x7FFF7FFF)));
-        most = _mm512_max_epu16(most, t.rg);
-        inverted = _mm512_max_epu16(inverted, other);
-        most_b = _mm512_max_epu16(most_b, t.b);
-        inverted_b = _mm512_max_epu16(inverted_b, _mm512_xor_si512(t.b, low));
-        sum[0] = _mm512_add_epi32(sum[0], _mm512_and_si512(t.rg, low));
-        sum[1] = _mm512_add_epi32(sum[1], _mm512_srli_epi32(t.rg, 16));
-        sum[2] = _mm512_add_epi32(sum[2], t.b);
+        v.most = _mm512_max_epu16(v.most, t.rg);
+        v.inverted = _mm512_max_epu16(v.inverted, other);
+        v.most_b = _mm512_max_epu16(v.most_b, t.b);
+        v.inverted_b = _mm512_max_epu16(v.inverted_b, _mm512_xor_si512(t.b, low));
+        v.sum[0] = _mm512_add_epi32(v.sum[0], _mm512_and_si512(t.rg, low));
+        v.sum[1] = _mm512_add_epi32(v.sum[1], _mm512_srli_epi32(t.rg, 16));
+        v.sum[2] = _mm512_add_epi32(v.sum[2], t.b);
         odd[group_of(i)] = _mm512_testn_epi32_mask(narrow, all(0x00FF00FF)) |
                            _mm512_testn_epi32_mask(flat, flat) |
                            _mm512_cmpeq_epi32_mask(t.rg, grays);
     }
+    *of = v;
+}
+
+static void end_survey(ntp__survey *to, const surveyed *of)
+{
+    const __m512i low = all(65535);
     const __m512i extremes[6] = {
-        _mm512_and_si512(most, low),     _mm512_srli_epi32(most, 16),     most_b,
-        _mm512_and_si512(inverted, low), _mm512_srli_epi32(inverted, 16), inverted_b,
+        _mm512_and_si512(of->most, low),     _mm512_srli_epi32(of->most, 16),     of->most_b,
+        _mm512_and_si512(of->inverted, low), _mm512_srli_epi32(of->inverted, 16), of->inverted_b,
     };
     for (int32_t k = 0; k < 3; k++) {
-        to->sum[k] = (uint32_t) sum_of(&sum[k]);
+        to->sum[k] = sum_of(&of->sum[k]);
         to->greatest[k] = greatest_of(&extremes[k]);
         to->least[k] = 65535 - greatest_of(&extremes[3 + k]);
     }
+    to->odd = 0;
 }
 
 #endif
