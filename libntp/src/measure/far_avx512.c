@@ -44,6 +44,13 @@ typedef struct far_texels {
     /* Angles, and what they are made of: those of harm; then those of texels below the horizon to their clean
      * vectors, and of those that are too long. */
     int32_t turn[ALL];
+    union { /* one after the other: all of this is to stay in the first cache */
+        double base[ALL];
+        struct {
+            int32_t whole[STEP];
+            float rest[STEP], over[STEP];
+        };
+    };
     double s[ALL], d[ALL], s2[STEP + LANES_512];
     int32_t n, negative, too_long, padding;
     int32_t padded[STEP + LANES_512]; /* places of padding with harm */
@@ -219,14 +226,12 @@ static inline __m512i add_squares(__m512i sums, __m512i v)
 /* Notes bins of lengths, and adds these and their distances from 1.  Returns the distances of padding. */
 ONE_COPY static __m512i add_lengths(far_lengths *sums, far_texels *f, const int32_t *z)
 {
-    int32_t whole[STEP];
-    float rest[STEP], over[STEP];
     far_lengths s = *sums;
     __m512i padded = _mm512_setzero_si512();
-    roots_of(whole, rest, over, f->xy, z, f->n);
+    roots_of(f->whole, f->rest, f->over, f->xy, z, f->n);
     for (int32_t i = 0; i < f->n; i += LANES_512) {
-        const __m512i length = lengths_of(load(whole + i), _mm512_loadu_ps(rest + i),
-                                          _mm512_loadu_ps(over + i), f->xy + i, z + i);
+        const __m512i length = lengths_of(load(f->whole + i), _mm512_loadu_ps(f->rest + i),
+                                          _mm512_loadu_ps(f->over + i), f->xy + i, z + i);
         const __m512i off = _mm512_abs_epi32(_mm512_sub_epi32(length, all(NTP__LENGTH_ONE)));
         const __m512i of_padding = _mm512_maskz_mov_epi32(f->is_padding[group_of(i)], off);
         const __m512i shape = _mm512_slli_epi32(load(f->places.shape + i), 8);
@@ -293,7 +298,6 @@ static int32_t turn_again(const far_texels *f, int32_t at)
 /* All angles. */
 static void turn_vectors(far_texels *f)
 {
-    double u[ALL], base[ALL];
     int32_t again[ALL], pulled[STEP], lower = f->n;
     store(f->rg_long + f->too_long, _mm512_setzero_si512());
     store(f->b_long + f->too_long, _mm512_setzero_si512());
@@ -314,7 +318,7 @@ static void turn_vectors(far_texels *f)
         lower += __builtin_popcount(these);
     }
     long_products(f->s + lower, f->s2, f->d + lower, pulled, f->rg_long, f->b_long, f->too_long);
-    int32_t left = turns_of(f->turn, again, u, base, f->s, f->d, lower + f->too_long);
+    int32_t left = turns_of(f->turn, again, f->base, f->s, f->d, lower + f->too_long);
     while (left-- > 0)
         f->turn[again[left]] = turn_again(f, again[left]);
 }

@@ -169,9 +169,8 @@ static inline void long_products(double *s, double *s2, double *d, int32_t *pull
         _mm512_storeu_pd(s + i, root_of_doubles(_mm512_max_pd(_mm512_loadu_pd(s2 + i), eight(1))));
 }
 
-/* Angles are `base` and the arc tangent of u. */
-static inline void quotients_of(double *u, double *base, const double *s8, const double *d,
-                                int32_t n)
+/* Angles are `base` and the arc tangent of what s becomes. */
+static inline void quotients_of(double *s8, double *base, const double *d, int32_t n)
 {
     const __m512d zero = _mm512_setzero_pd();
     for (int32_t i = 0; i < n; i += 8) {
@@ -190,7 +189,7 @@ static inline void quotients_of(double *u, double *base, const double *s8, const
         t = _mm512_mask_sub_pd(t, steep, eight(90e6), t);
         t = _mm512_mask_sub_pd(t, back, eight(180e6), t);
         _mm512_storeu_pd(base + i, t);
-        _mm512_storeu_pd(u + i, _mm512_mask_sub_pd(quotient, steep ^ back, zero, quotient));
+        _mm512_storeu_pd(s8 + i, _mm512_mask_sub_pd(quotient, steep ^ back, zero, quotient));
     }
 }
 
@@ -210,15 +209,15 @@ static inline __mmask8 arcs_of(int32_t *angle, __m512d u, __m512d base)
     return (__mmask8) ~_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(down, more)));
 }
 
-/* n angles, and up to whole lanes of eight.  Returns how many are in doubt; these are `at`.  `u` and `base` are
- * working memory. */
-static inline int32_t turns_of(int32_t *angle, int32_t *at, double *u, double *base,
-                               const double *s, const double *d, int32_t n)
+/* n angles, and up to whole lanes of eight.  Returns how many are in doubt; these are `at`.  `base` is working
+ * memory, as is s from then on. */
+static inline int32_t turns_of(int32_t *angle, int32_t *at, double *base, double *s,
+                               const double *d, int32_t n)
 {
     int32_t found = 0;
-    quotients_of(u, base, s, d, n);
+    quotients_of(s, base, d, n);
     for (int32_t i = 0; i < n; i += 8) {
-        uint32_t doubt = arcs_of(angle + i, _mm512_loadu_pd(u + i), _mm512_loadu_pd(base + i));
+        uint32_t doubt = arcs_of(angle + i, _mm512_loadu_pd(s + i), _mm512_loadu_pd(base + i));
         for (; doubt != 0; doubt &= doubt - 1)
             at[found++] = i + __builtin_ctz(doubt);
     }
