@@ -298,7 +298,7 @@ static int32_t turn_again(const far_texels *f, int32_t at)
 /* All angles. */
 static void turn_vectors(far_texels *f)
 {
-    int32_t again[ALL], pulled[STEP], lower = f->n;
+    int32_t again[ALL], lower = f->n;
     store(f->rg_long + f->too_long, _mm512_setzero_si512());
     store(f->b_long + f->too_long, _mm512_setzero_si512());
     for (int32_t i = 0; i < f->n; i += 8) {
@@ -317,7 +317,7 @@ static void turn_vectors(far_texels *f)
         _mm512_storeu_pd(f->d + lower, _mm512_maskz_compress_pd(these, d));
         lower += __builtin_popcount(these);
     }
-    long_products(f->s + lower, f->s2, f->d + lower, pulled, f->rg_long, f->b_long, f->too_long);
+    long_products(f->s + lower, f->s2, f->d + lower, f->rg_long, f->b_long, f->too_long);
     int32_t left = turns_of(f->turn, again, f->base, f->s, f->d, lower + f->too_long);
     while (left-- > 0)
         f->turn[again[left]] = turn_again(f, again[left]);

@@ -56,18 +56,6 @@ static inline void flat_products(__m512d *s, __m512d *d, __m512d rho, __m512d rh
     *d = _mm512_fmadd_pd(z, w, rho2);
 }
 
-static inline __m512d half_doubles(__m512i v, int half)
-{
-    return _mm512_cvtepi32_pd(half == 0 ? _mm512_castsi512_si256(v)
-                                        : _mm512_extracti64x4_epi64(v, 1));
-}
-
-static inline __m512i whole_numbers(__m512d low, __m512d high)
-{
-    return _mm512_inserti64x4(_mm512_castsi256_si512(_mm512_cvttpd_epi32(low)),
-                              _mm512_cvttpd_epi32(high), 1);
-}
-
 /* 2 v + 1. */
 static inline __m512i odd_of(__m512i v)
 {
@@ -79,94 +67,102 @@ static inline __m512i words_of(__m512i low, __m512i high)
     return _mm512_or_si512(low, _mm512_slli_epi32(high, 16));
 }
 
-/* Pulls those of sixteen pairs of which q is given, as pull_four does; numerators halved and rounded down are what
- * becomes of them. */
-static inline __m512i pull_16(__m512i q, __m512i rg)
+enum { LONG_ROOM = NTP__BLOCK + LANES_512, PULLED_LAST = (1 << 15) - 1 };
+
+/* Numerators of vectors whose x and y are too long, without the signs of these, which do not matter; and of what
+ * they become. */
+typedef struct long_vectors {
+    int32_t from[3][LONG_ROOM], to[3][LONG_ROOM];
+} long_vectors;
+
+/* Sixteen pairs. */
+static inline void set_long(long_vectors *v, int32_t i, __m512i rg, __m512i b)
 {
-    enum { LAST = (1 << 15) - 1 };
-    const __m512i one = all(1), last = all(LAST);
-    const __m512i ax = odd_of(_mm512_and_si512(q, all(65535))),
-                  ay = odd_of(_mm512_srli_epi32(q, 16));
-    __m512d to[2][2];
-    for (int k = 0; k < 2; k++) {
-        const __m512d x = half_doubles(ax, k), y = half_doubles(ay, k),
-                      half = eight(0.5 * (LAST + 1));
-        const __m512d square = _mm512_fmadd_pd(x, x, _mm512_mul_pd(y, y));
-        const __m512d factor = _mm512_mul_pd(inverse_root(square), eight(0.5 * (LAST + 1) * 65535));
-        to[0][k] = _mm512_fmadd_pd(x, factor, half);
-        to[1][k] = _mm512_fmadd_pd(y, factor, half);
-    }
-    const __m512i s = whole_numbers(to[0][0], to[0][1]), t = whole_numbers(to[1][0], to[1][1]);
-    __m512i u = _mm512_srli_epi32(s, 15), v = _mm512_srli_epi32(t, 15);
+    const __m512i p = _mm512_xor_si512(rg, all((int32_t) 0x80008000));
+    const __m512i q = _mm512_xor_si512(p, _mm512_srai_epi16(p, 15));
+    store(v->from[0] + i, odd_of(_mm512_and_si512(q, all(65535))));
+    store(v->from[1] + i, odd_of(_mm512_srli_epi32(q, 16)));
+    store(v->from[2] + i, odd_of(_mm512_sub_epi32(b, all(32768))));
+}
+
+/* Shortens eight pairs: (|X| + 1)/2 in 2^-15, as in pull_four. */
+static inline void shorten(long_vectors *v, int32_t i)
+{
+    const __m512d x = doubles_of(v->from[0] + i), y = doubles_of(v->from[1] + i);
+    const __m512d square = _mm512_fmadd_pd(x, x, _mm512_mul_pd(y, y));
+    const __m512d half = eight(0.5 * (PULLED_LAST + 1));
+    const __m512d factor =
+        _mm512_mul_pd(inverse_root(square), eight(0.5 * (PULLED_LAST + 1) * 65535));
+    _mm256_storeu_si256((void *) (v->to[0] + i),
+                        _mm512_cvttpd_epi32(_mm512_fmadd_pd(x, factor, half)));
+    _mm256_storeu_si256((void *) (v->to[1] + i),
+                        _mm512_cvttpd_epi32(_mm512_fmadd_pd(y, factor, half)));
+}
+
+/* Pulls sixteen such pairs, and derives their blues. */
+static inline void pull_16(long_vectors *v, int32_t at, const int32_t *rg)
+{
+    const __m512i one = all(1), last = all(PULLED_LAST);
+    const __m512i ax = load(v->from[0] + at), ay = load(v->from[1] + at);
+    const __m512i s = load(v->to[0] + at), t = load(v->to[1] + at);
+    __m512i u = _mm512_srli_epi32(s, 15), w = _mm512_srli_epi32(t, 15);
     const __mmask16 other = _mm512_cmpneq_epi32_mask(ax, ay),
                     wider = _mm512_cmpgt_epi32_mask(ax, ay);
-    const __m512i squares = _mm512_add_epi32(_mm512_mullo_epi32(u, u), _mm512_mullo_epi32(v, v));
-    const __m512i rest = _mm512_sub_epi32(all(REST_16 + 1), squares), more = _mm512_sub_epi32(u, v);
+    const __m512i squares = _mm512_add_epi32(_mm512_mullo_epi32(u, u), _mm512_mullo_epi32(w, w));
+    const __m512i rest = _mm512_sub_epi32(all(REST_16 + 1), squares), more = _mm512_sub_epi32(u, w);
     const __mmask16 right = _mm512_cmpgt_epi32_mask(rest, more) & other;
     const __mmask16 down =
         _mm512_cmpgt_epi32_mask(_mm512_add_epi32(rest, more), _mm512_setzero_si512()) & other;
     u = _mm512_mask_add_epi32(u, right & (__mmask16) ~(down & (__mmask16) ~wider), u, one);
-    v = _mm512_mask_add_epi32(v, down & (__mmask16) ~(right & wider), v, one);
-    __m512i pulled = words_of(_mm512_sub_epi32(u, one), _mm512_sub_epi32(v, one));
+    w = _mm512_mask_add_epi32(w, down & (__mmask16) ~(right & wider), w, one);
+    __m512i to = words_of(_mm512_sub_epi32(u, one), _mm512_sub_epi32(w, one));
     uint32_t doubt =
         _mm512_cmple_epi32_mask(_mm512_and_si512(_mm512_add_epi32(s, one), last), one) |
         _mm512_cmple_epi32_mask(_mm512_and_si512(_mm512_add_epi32(t, one), last), one);
     for (; doubt != 0; doubt &= doubt - 1) {
-        uint32_t pairs[LANES_512];
-        const int32_t i = __builtin_ctz(doubt);
-        store(pairs, rg);
-        int32_t r = (int32_t) (pairs[i] & 65535), g = (int32_t) (pairs[i] >> 16);
+        const uint32_t pair = (uint32_t) rg[at + __builtin_ctz(doubt)];
+        int32_t r = (int32_t) (pair & 65535), g = (int32_t) (pair >> 16);
         ntp__pull_seldom(&r, &g, 65535);
         r = ntp__abs(ntp__num(r, 65535)) / 2;
         g = ntp__abs(ntp__num(g, 65535)) / 2;
-        pulled = _mm512_mask_mov_epi32(pulled, (__mmask16) (1U << i), all(r | g << 16));
+        to = _mm512_mask_mov_epi32(to, (__mmask16) (doubt & -doubt), all(r | g << 16));
     }
-    return pulled;
+    const __m512i e =
+        _mm512_add_epi32(all(REST_16), _mm512_madd_epi16(to, _mm512_xor_si512(to, all(-1))));
+    store(v->to[0] + at, odd_of(_mm512_and_si512(to, all(65535))));
+    store(v->to[1] + at, odd_of(_mm512_srli_epi32(to, 16)));
+    store(v->to[2] + at, odd_of(root_of(e, true)));
 }
 
-/* Halves of numerators of red and green, rounded down. */
-static inline __m512i halves_of(__m512i rg)
+/* |v x w|, its square, and v . w of n vectors whose x and y are too long, and their clean ones; up to whole lanes
+ * of sixteen. */
+static inline void long_products(double *s, double *s2, double *d, const int32_t *rg,
+                                 const int32_t *b, int32_t n)
 {
-    const __m512i p = _mm512_xor_si512(rg, all((int32_t) 0x80008000));
-    return _mm512_xor_si512(p, _mm512_srai_epi16(p, 15));
-}
-
-/* |v x w|, its square, and v . w of n vectors whose x and y are too long, and their clean ones; up to whole
- * lanes of sixteen.  The signs of x and y do not matter.  `pulled` is working memory. */
-static inline void long_products(double *s, double *s2, double *d, int32_t *pulled,
-                                 const int32_t *rg, const int32_t *b, int32_t n)
-{
-    const __m512i low = all(65535);
+    long_vectors v;
     for (int32_t i = 0; i < n; i += LANES_512)
-        store(pulled + i, pull_16(halves_of(load(rg + i)), load(rg + i)));
-    for (int32_t i = 0; i < n; i += LANES_512) {
-        const __m512i q = halves_of(load(rg + i)), to = load(pulled + i);
-        const __m512i e =
-            _mm512_add_epi32(all(REST_16), _mm512_madd_epi16(to, _mm512_xor_si512(to, all(-1))));
-        const __m512i from[3] = { odd_of(_mm512_and_si512(q, low)),
-                                  odd_of(_mm512_srli_epi32(q, 16)),
-                                  odd_of(_mm512_sub_epi32(load(b + i), all(32768))) };
-        const __m512i into[3] = { odd_of(_mm512_and_si512(to, low)),
-                                  odd_of(_mm512_srli_epi32(to, 16)), odd_of(root_of(e, true)) };
-        for (int k = 0; k < 2; k++) {
-            const __m512d x1 = half_doubles(from[0], k), y1 = half_doubles(from[1], k),
-                          z1 = half_doubles(from[2], k);
-            const __m512d x2 = half_doubles(into[0], k), y2 = half_doubles(into[1], k),
-                          z2 = half_doubles(into[2], k);
-            const __m512d x = _mm512_fmsub_pd(y1, z2, _mm512_mul_pd(z1, y2));
-            const __m512d y = _mm512_fmsub_pd(z1, x2, _mm512_mul_pd(x1, z2));
-            const __m512d z = _mm512_fmsub_pd(x1, y2, _mm512_mul_pd(y1, x2));
-            /* rounded as with AVX2 */
-            const __m512d flat = _mm512_add_pd(_mm512_mul_pd(x, x), _mm512_mul_pd(y, y));
-            const __m512d dot =
-                _mm512_fmadd_pd(x1, x2, _mm512_fmadd_pd(y1, y2, _mm512_mul_pd(z1, z2)));
-            _mm512_storeu_pd(s2 + i + 8 * k, _mm512_add_pd(flat, _mm512_mul_pd(z, z)));
-            _mm512_storeu_pd(d + i + 8 * k, dot);
-        }
+        set_long(&v, i, load(rg + i), load(b + i));
+    const int32_t whole = (n + LANES_512 - 1) & -LANES_512;
+    for (int32_t i = 0; i < whole; i += 8)
+        shorten(&v, i);
+    for (int32_t i = 0; i < n; i += LANES_512)
+        pull_16(&v, i, rg);
+    for (int32_t i = 0; i < n; i += 8) {
+        const __m512d x1 = doubles_of(v.from[0] + i), x2 = doubles_of(v.to[0] + i);
+        const __m512d y1 = doubles_of(v.from[1] + i), y2 = doubles_of(v.to[1] + i);
+        const __m512d z1 = doubles_of(v.from[2] + i), z2 = doubles_of(v.to[2] + i);
+        const __m512d x = _mm512_fmsub_pd(y1, z2, _mm512_mul_pd(z1, y2));
+        const __m512d y = _mm512_fmsub_pd(z1, x2, _mm512_mul_pd(x1, z2));
+        const __m512d z = _mm512_fmsub_pd(x1, y2, _mm512_mul_pd(y1, x2));
+        /* rounded as with AVX2 */
+        const __m512d flat = _mm512_add_pd(_mm512_mul_pd(x, x), _mm512_mul_pd(y, y));
+        const __m512d square = _mm512_add_pd(flat, _mm512_mul_pd(z, z));
+        const __m512d dot = _mm512_fmadd_pd(x1, x2, _mm512_fmadd_pd(y1, y2, _mm512_mul_pd(z1, z2)));
+        _mm512_storeu_pd(s2 + i, square);
+        /* 0 has no such root; that of 1 makes no other angle */
+        _mm512_storeu_pd(s + i, root_of_doubles(_mm512_max_pd(square, eight(1))));
+        _mm512_storeu_pd(d + i, dot);
     }
-    /* 0 has no such root; that of 1 makes no other angle */
-    for (int32_t i = 0; i < n; i += 8)
-        _mm512_storeu_pd(s + i, root_of_doubles(_mm512_max_pd(_mm512_loadu_pd(s2 + i), eight(1))));
 }
 
 /* Angles are `base` and the arc tangent of what s becomes. */
