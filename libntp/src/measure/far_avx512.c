@@ -264,8 +264,8 @@ static inline void add_errors(far_texels *f)
 
 static void end_lengths(ntp__fit_sums *fit, const far_lengths *s)
 {
-    const uint64_t squares = (uint64_t) _mm512_reduce_add_epi64(s->squares);
-    const uint64_t of_padding = (uint64_t) _mm512_reduce_add_epi64(s->of_padding);
+    const uint64_t squares = sum_of_wide(&s->squares);
+    const uint64_t of_padding = sum_of_wide(&s->of_padding);
     const __m512i inverted = _mm512_xor_si512(s->least, all(-1));
     fit->length_sum += sum_of(&s->sum);
     fit->length_error2[0] += squares - of_padding;
@@ -355,7 +355,7 @@ static void end_angles(uint64_t *count, uint64_t *sum, uint64_t *max, const far_
 {
     const uint32_t most = greatest_of(&sums->greatest);
     *count += sums->texels;
-    *sum += (uint64_t) _mm512_reduce_add_epi64(sums->sum);
+    *sum += sum_of_wide(&sums->sum);
     *max = most > *max ? most : *max;
 }
 

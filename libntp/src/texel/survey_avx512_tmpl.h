@@ -13,11 +13,18 @@
 #include "texel/lengths_avx512_tmpl.h"
 #include "texel/packed_avx512_tmpl.h"
 
+/* Of eight lanes. */
+ONE_COPY static uint64_t sum_of_wide(const __m512i *v)
+{
+    return (uint64_t) _mm512_reduce_add_epi64(*v);
+}
+
+/* Of sixteen. */
 ONE_COPY static uint64_t sum_of(const __m512i *v)
 {
-    const __m512i odd = _mm512_srli_epi64(*v, 32),
-                  even = _mm512_and_si512(*v, _mm512_set1_epi64(UINT32_MAX));
-    return (uint64_t) _mm512_reduce_add_epi64(_mm512_add_epi64(odd, even));
+    const __m512i even = _mm512_and_si512(*v, _mm512_set1_epi64(UINT32_MAX));
+    const __m512i both = _mm512_add_epi64(even, _mm512_srli_epi64(*v, 32));
+    return sum_of_wide(&both);
 }
 
 ONE_COPY static uint32_t greatest_of(const __m512i *v)
@@ -70,7 +77,7 @@ static void end_survey(ntp__survey *to, const surveyed *of)
         _mm512_and_si512(of->inverted, low), _mm512_srli_epi32(of->inverted, 16), of->inverted_b,
     };
     for (int32_t k = 0; k < 3; k++) {
-        to->sum[k] = sum_of(&of->sum[k]);
+        to->sum[k] = (uint32_t) sum_of(&of->sum[k]);
         to->greatest[k] = greatest_of(&extremes[k]);
         to->least[k] = 65535 - greatest_of(&extremes[3 + k]);
     }
