@@ -101,7 +101,8 @@ static void add_pairs(ntp_tally *t, const int32_t *const c[3], int32_t n)
     for (int32_t i = 0; i < n; i++) {
         places[i] = ntp__pair_place((uint32_t) c[0][i], (uint32_t) c[1][i]);
 #ifdef __GNUC__
-        __builtin_prefetch(&t->pairs[places[i]], 1); /* those of noise are in none of the first caches */
+        /* those of noise are in none of the first caches */
+        __builtin_prefetch(&t->pairs[places[i]], 1);
 #endif
     }
     for (int32_t i = 0; i < n; i++) {

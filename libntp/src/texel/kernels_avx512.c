@@ -459,6 +459,19 @@ static ALWAYS_INLINE void put_colors(uint8_t *d, __m512i c)
     _mm_storeu_si128((void *) (d + 32), _mm512_extracti32x4_epi32(v, 2));
 }
 
+/* Puts colors of a list into those of n pixels. */
+static void put_long(uint8_t *d, int32_t n, const uint32_t *color, const __mmask32 *which)
+{
+    for (; n > 0; n -= STEP_8, d += 3 * STEP_8) {
+        const __mmask32 longs = *which++;
+        for (int k = 0; longs != 0 && k < STEP_8; k += LANES_512) {
+            const __mmask16 these = (__mmask16) (longs >> k);
+            put_colors(d + 3 * k, _mm512_maskz_expand_epi32(these, _mm512_loadu_si512(color)));
+            color += __builtin_popcount(these);
+        }
+    }
+}
+
 /* At most AT_ONCE texels in whole steps.  Returns how many pairs are too long; these colors are in `left`. */
 static ALWAYS_INLINE int32_t derive_8(uint8_t *d, const uint8_t *s, int32_t n, uint32_t *left,
                                       __mmask32 *which, uint64_t *changed)
@@ -466,13 +479,13 @@ static ALWAYS_INLINE int32_t derive_8(uint8_t *d, const uint8_t *s, int32_t n, u
     const __mmask64 low = 0x4924924924924924, high = 0x92492492;
     int32_t found = 0;
     bool same = true;
+    _mm512_storeu_si512(which, _mm512_setzero_si512());
     for (int32_t i = 0; i < n; i += STEP_8, s += 3 * STEP_8, d += 3 * STEP_8) {
         const texels t = take_words(s);
         __m512i v = _mm512_loadu_si512(s);
         __m512i w = _mm512_zextsi256_si512(_mm256_loadu_si256((const void *) (s + LOW_8)));
         const __m512i e = rest_words(t.rg);
         const __mmask32 longs = _mm512_movepi16_mask(e);
-        which[i / STEP_8] = longs;
         if (same) {
             const __m512i z = _mm512_xor_si512(t.b, _mm512_set1_epi16(128));
             const __m512i off = _mm512_sub_epi16(e, _mm512_mullo_epi16(z, z));
@@ -481,13 +494,14 @@ static ALWAYS_INLINE int32_t derive_8(uint8_t *d, const uint8_t *s, int32_t n, u
         if (!same) {
             __m512i blues = blues_of(e);
             if (longs != 0) {
-                /* the next block: while colors are looked up, none of it is fetched by itself */
-                for (int k = 0; k < 3 * STEP_8; k += LOW_8) {
+                /* the next block: while many colors are looked up, none of it is fetched by itself */
+                for (int k = 0; found > LANES_512 && k < 3 * STEP_8; k += LOW_8) {
                     _mm_prefetch((const char *) (s + 3 * AT_ONCE + k), _MM_HINT_T0);
                     _mm_prefetch((const char *) (d + 3 * AT_ONCE + k), _MM_HINT_T0);
                 }
                 const __m512i was = _mm512_castsi256_si512(_mm512_cvtepi16_epi8(t.b));
                 blues = _mm512_mask_mov_epi8(blues, longs, was);
+                which[i / STEP_8] = longs;
                 found += append_colors(left + found, t, longs);
             }
             const __m512i v_now = with_blues(v, low, 0, blues);
@@ -518,14 +532,9 @@ uint64_t ntp__clean_rgb8_avx512(uint8_t *dst, const uint8_t *src, size_t n, cons
         const size_t left = (n - i) / STEP_8 * STEP_8, next = left < AT_ONCE ? left : AT_ONCE;
         const int32_t found =
             derive_8(dst + 3 * i, src + 3 * i, (int32_t) next, others, longs, &changed);
-        const uint32_t *color = others;
-        changed += look_up(others, found, table, touch_unused);
-        for (size_t k = 0; found > 0 && k < next; k += LANES_512) {
-            const __mmask16 these = (__mmask16) (longs[k / STEP_8] >> k % STEP_8);
-            if (these != 0)
-                put_colors(dst + 3 * (i + k),
-                           _mm512_maskz_expand_epi32(these, _mm512_loadu_si512(color)));
-            color += __builtin_popcount(these);
+        if (found > 0) {
+            changed += look_up(others, found, table, touch_unused);
+            put_long(dst + 3 * i, (int32_t) next, others, longs);
         }
         i += next;
     }
