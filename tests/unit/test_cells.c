@@ -6,13 +6,15 @@
  * are worked out here without tables.  Runs between guard pages, with a black, white or translucent
  * texel at any place, end at its group.  Counts that are too great for a byte are carried.
  *
- * Of all colors those with the derived blue are counted by their rows, and the others left.  A tally of
- * many texels at once has the sums of one that was made of narrow columns, which looks them up.
+ * Of all colors those with the derived blue are counted by their rows, and the others left, also in small
+ * blocks of few kinds of colors.  With AVX-512 these have their sums and extremes.  A tally of many texels at
+ * once has the sums of one that was made of narrow columns, which looks them up.
  */
 #include "guarded.h"
 #include "libntp.h"
 #include "texel/cells.h"
 #include "texel/kernels.h"
+#include "without_avx512.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -53,7 +55,8 @@ static void check_counts(void)
             any |= want[i] != 0;
             carried |= want[i] > 255;
         }
-        CHECK(cells.row_seen[row] == (any ? NTP__SEEN_FAR : 0) + (carried ? NTP__SEEN_CARRIED : 0));
+        CHECK(cells.row_seen[row] ==
+              (any ? NTP__SEEN_QUARTERS : 0) + (carried ? NTP__SEEN_CARRIED : 0));
     }
     for (int32_t i = 0; i < NTP__ROWS * NTP__NEAR; i++)
         CHECK(cells.near[i] == 0);
@@ -179,40 +182,108 @@ static void check_close_counts(void)
     }
 }
 
-static void check_close(const ntp__kernels_table *level, int32_t channels)
+/* Each of n texels is counted, or its place or color is there, in order. */
+static void check_block(const ntp__close8_block *block, const uint8_t *texels, int32_t n,
+                        int32_t channels)
+{
+    int32_t others = 0, colors = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const uint8_t *const p = texels + channels * i;
+        const int32_t row = row_of(p[0], p[1]);
+        CHECK(is_close(p[0], p[1], p[2]) || !is_exact(p[0], p[1], p[2]));
+        if (is_close(p[0], p[1], p[2]) && (channels == 3 || p[3] == 255)) {
+            close_texels[row][p[2]]++;
+        } else if (others < block->others && block->left[others] == i) {
+            CHECK(block->row[i] == row);
+            others++;
+        } else {
+            CHECK(channels == 3 && (p[0] != p[1] || p[1] != p[2]));
+            CHECK(colors < block->colors);
+            CHECK(block->color[colors++] == ((uint32_t) row | (uint32_t) p[2] << 16));
+        }
+    }
+    CHECK(others == block->others && colors == block->colors);
+}
+
+static void check_close(ntp__count_close8_fn *count, int32_t channels)
 {
     uint8_t texels[256 * 4];
-    ntp__close8_block block;
+    ntp__close8_block block = { .others = 0 };
     memset(close8, 0, sizeof close8);
     memset(close_texels, 0, sizeof close_texels);
     for (int32_t pair = 0; pair < 65536; pair++) {
-        const int32_t r = pair & 255, g = pair >> 8, row = row_of(r, g);
-        int32_t unlike = 0;
+        const int32_t r = pair & 255, g = pair >> 8;
         for (int32_t b = 0; b < 256; b++) {
             put(texels + channels * b, channels, r, g, b);
             /* one of the translucent is exact but for that */
             if (channels == 4 && pair % 3 == 0)
                 texels[4 * b + 3] = (uint8_t) (pair * 13 + b);
         }
-        level->count_close8(&block, close8, texels, 256, channels, 256);
-        for (int32_t b = 0; b < 256; b++) {
-            const bool opaque = channels == 3 || texels[4 * b + 3] == 255;
-            CHECK(block.row[b] == row);
-            CHECK(is_close(r, g, b) || !is_exact(r, g, b));
-            if (is_close(r, g, b) && opaque) {
-                close_texels[row][b]++;
-                continue;
-            }
-            CHECK(unlike < block.others && block.left[unlike] == b);
-            unlike++;
-        }
-        CHECK(unlike == block.others);
+        count(&block, close8, texels, 256, channels, 256);
+        check_block(&block, texels, 256, channels);
     }
     check_close_counts();
 }
 
+/* A color of one of these kinds: gray, of any blue, nearly flat, flat, one, or close. */
+static void put_kind(uint8_t *p, int32_t channels, int32_t kind, uint64_t *seed)
+{
+    const int32_t r =
+        kind < 2 ? (int32_t) random_level(seed, 255) : 126 + (int32_t) (random_bits(seed) % 4);
+    const int32_t g = kind == 0 ? r : kind == 1 ? (int32_t) random_level(seed, 255) : 127;
+    int32_t b = kind == 0   ? r
+                : kind == 1 ? (int32_t) random_level(seed, 255)
+                            : 252 + (int32_t) (random_bits(seed) % 4);
+    if (kind == 3)
+        put(p, channels, 127 + r % 2, 127 + b % 2, 255);
+    else if (kind == 4)
+        put(p, channels, 100, 140, 250);
+    else
+        put(p, channels, r, g, b);
+}
+
+/* Blocks of all sizes between guard pages, of one kind or mixed; and the survey of those that make one. */
+static void check_sizes(ntp__count_close8_fn *count, int32_t channels, bool surveys, uint64_t *seed)
+{
+    enum { TIMES = 100, KINDS = 6 };
+    ntp__close8_block block;
+    uint64_t sum[3] = { 0 };
+    uint8_t least[3] = { 255, 255, 255 }, greatest[3] = { 0 };
+    memset(&block, 0, sizeof block);
+    memset(close8, 0, sizeof close8);
+    memset(close_texels, 0, sizeof close_texels);
+    for (int32_t i = 0; i < TIMES * KINDS; i++) {
+        const int32_t n = NTP__KERNEL_LANES * (1 + i % (256 / NTP__KERNEL_LANES)), kind = i % KINDS;
+        guarded src = guarded_alloc((size_t) n * (size_t) channels, i & 1);
+        uint8_t *const p = src.data;
+        for (int32_t k = 0; k < n; k++) {
+            put_kind(p + channels * k, channels,
+                     kind == 5 ? (int32_t) (random_bits(seed) % 5) : kind, seed);
+            for (int32_t c = 0; c < 3; c++) {
+                const uint8_t v = p[channels * k + c];
+                sum[c] += v;
+                least[c] = v < least[c] ? v : least[c];
+                greatest[c] = v > greatest[c] ? v : greatest[c];
+            }
+        }
+        count(&block, close8, p, n, channels, 0);
+        check_block(&block, p, n, channels);
+        guarded_free(&src);
+    }
+    check_close_counts();
+    for (int32_t c = 0; surveys && c < 3; c++) {
+        uint8_t low = 255, high = 0;
+        for (int32_t i = c; i < 32 * 4; i += 4) {
+            const uint8_t up_to = (uint8_t) (255 - block.survey.extremes[0][i]);
+            low = up_to < low ? up_to : low;
+            high = block.survey.extremes[1][i] > high ? block.survey.extremes[1][i] : high;
+        }
+        CHECK(block.survey.sum[c] == sum[c] && low == least[c] && high == greatest[c]);
+    }
+}
+
 /* All pairs with their derived blues; then the first ones more often than a count holds, some of them
- * black, damaged or translucent. */
+ * black, damaged or translucent; and noise, which is counted in groups. */
 static void fill(uint8_t *texels, int32_t n, int32_t channels, uint64_t *seed)
 {
     for (int32_t i = 0; i < n; i++) {
@@ -229,8 +300,11 @@ static void fill(uint8_t *texels, int32_t n, int32_t channels, uint64_t *seed)
         if (channels == 4 && random_bits(seed) % 16 == 0)
             texels[4 * i + 3] = (uint8_t) random_level(seed, 255);
         /* then all but each fourth one of these, so that other fourths have more than their share */
-        if (i >= n / 2)
+        if (i >= n / 2 && i < n / 4 * 3)
             put(texels + channels * i, channels, 127, 127, i % 4 != 3 ? 255 : 200);
+        if (i >= n / 8 * 7)
+            put(texels + channels * i, channels, (int32_t) random_level(seed, 255),
+                (int32_t) random_level(seed, 255), (int32_t) random_level(seed, 255));
     }
 }
 
@@ -272,19 +346,24 @@ static void check_tallies(int32_t channels, uint64_t *seed)
     free(texels);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const ntp__kernels_table *level = ntp__kernels(NTP__CPU_ALL);
+    ntp__kernels_table level;
     uint64_t seed = 54321;
-    if (level->count_cells == NULL)
+    allowed_512 = argc > 1 && strcmp(argv[1], "avx512") == 0;
+    ntp__pick_kernels(&level, NTP__CPU_ALL);
+    if (level.count_cells == NULL || (allowed_512 && !ntp__cpu_has_avx512(NTP__CPU_ALL)))
         return SKIPPED;
     for (int32_t channels = 3; channels <= 4; channels++) {
-        check_colors(level, channels);
-        check_many(level, channels);
-        check_close(level, channels);
+        check_close(level.count_close8, channels);
+        check_sizes(level.count_close8, channels, allowed_512, &seed);
         check_tallies(channels, &seed);
+        if (allowed_512)
+            continue;
+        check_colors(&level, channels);
+        check_many(&level, channels);
         for (int32_t n = 1; n <= WIDEST; n++)
-            check_ends(level, n, channels, &seed);
+            check_ends(&level, n, channels, &seed);
     }
     return 0;
 }

@@ -27,7 +27,7 @@ static void put(int32_t row, int32_t b, uint32_t n)
 {
     counts.at.far[row * NTP__ROW_CELLS + b] = (uint8_t) n;
     counts.at.carried[row * NTP__ROW_CELLS + b] = n >> 8;
-    counts.at.row_seen[row] |= NTP__SEEN_FAR | (n > 255 ? NTP__SEEN_CARRIED : 0);
+    counts.at.row_seen[row] |= NTP__SEEN_QUARTERS | (n > 255 ? NTP__SEEN_CARRIED : 0);
 }
 
 static void fill(int32_t row, int32_t kind, uint64_t *seed)

@@ -104,12 +104,12 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
     const int32_t first = t->row_first[row], seen = t->at.row_seen[row];
     const uint64_t any_near = ntp__in_use16(near);
     int32_t n = 0;
-    for (int32_t i = 0; i < 256; i += 64) {
+    for (int32_t i = 0; i < 256; i += NTP__QUARTER) {
         /* Near cells may lie in two of these. */
         uint64_t bits = (uint32_t) (first - i) < 64   ? any_near << (first - i)
                         : (uint32_t) (i - first) < 64 ? any_near >> (i - first)
                                                       : 0;
-        if (seen & NTP__SEEN_FAR)
+        if (seen & NTP__SEEN_QUARTER << i / NTP__QUARTER)
             bits |= bytes_in_use(far + i);
         for (int32_t k = 0; seen & NTP__SEEN_CARRIED && k < 64; k++)
             bits |= (uint64_t) (carried[i + k] != 0) << k;
@@ -120,7 +120,7 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
         const uint32_t place = (uint32_t) (cells->blue[i] - first);
         cells->count[i] = place < NTP__NEAR ? near[place] : 0;
     }
-    for (int32_t i = 0; seen & NTP__SEEN_FAR && i < n; i++)
+    for (int32_t i = 0; seen & NTP__SEEN_QUARTERS && i < n; i++)
         cells->count[i] += far[cells->blue[i]];
     for (int32_t i = 0; seen & NTP__SEEN_CARRIED && i < n; i++)
         cells->count[i] += carried[cells->blue[i]] << 8;
@@ -150,7 +150,7 @@ static void add_to_cell(ntp__color_counts *t, uint32_t row, uint32_t blue, uint3
 {
     enum { MOST = 256 };
     const uint32_t place = blue - t->row_first[row];
-    t->at.row_seen[row] |= place < NTP__NEAR ? NTP__SEEN_NEAR : NTP__SEEN_FAR;
+    t->at.row_seen[row] |= place < NTP__NEAR ? NTP__SEEN_NEAR : NTP__SEEN_QUARTERS;
     if (place < NTP__NEAR) {
         t->at.near[row * NTP__NEAR + place] += count;
         return;
@@ -227,7 +227,7 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, in
         const int32_t near = row * NTP__NEAR, first = row * NTP__ROW_CELLS;
         ntp__merge_counts(&into->at.near[near], &from->at.near[near], NTP__NEAR);
         into->at.row_seen[row] |= seen[row];
-        for (int32_t i = first; seen[row] & NTP__SEEN_FAR && i < first + 256; i++)
+        for (int32_t i = first; seen[row] & NTP__SEEN_QUARTERS && i < first + 256; i++)
             ntp__count_far(&into->at, (uint32_t) i, from->at.far[i]);
         if (seen[row] & NTP__SEEN_CARRIED)
             ntp__merge_counts(&into->at.carried[first], &from->at.carried[first], 256);
@@ -243,8 +243,10 @@ void ntp__clear_cells(ntp__color_counts *t, int32_t most)
     ntp__note_rows(t, most);
     for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
         memset(&t->at.near[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->at.near[0]);
-        if (seen[row] & NTP__SEEN_FAR)
-            memset(&t->at.far[row * NTP__ROW_CELLS], 0, 256);
+        for (int32_t i = 0; i < 256; i += NTP__QUARTER) {
+            if (seen[row] & NTP__SEEN_QUARTER << i / NTP__QUARTER)
+                memset(&t->at.far[row * NTP__ROW_CELLS + i], 0, NTP__QUARTER);
+        }
         if (seen[row] & NTP__SEEN_CARRIED)
             memset(&t->at.carried[row * NTP__ROW_CELLS], 0, 256 * sizeof t->at.carried[0]);
     }

@@ -29,7 +29,7 @@ typedef struct ntp__color_counts {
     uint32_t rows_ready;
     uint32_t few;                 /* few texels are being measured: their rows are noted */
     uint32_t unnoted;             /* some rows with near cells are not in row_seen */
-    uint32_t grouped;             /* count_cells counted some, so rows may be dense */
+    uint32_t grouped;             /* many are far from exact, so rows may be dense */
     uint64_t far_texels;          /* that were counted by look-ups, ever */
     uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry; when rows_ready */
     uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */

@@ -98,11 +98,19 @@ static inline bool count_black_white(ntp_tally *t, int32_t v, int32_t m)
     return false;
 }
 
+/* Storing it again would be waited for. */
+static inline void note_far(ntp_tally *t, uint32_t row, uint32_t b)
+{
+    const uint32_t quarter = (uint32_t) NTP__SEEN_QUARTER << b / NTP__QUARTER;
+    if (!(t->cells.at.row_seen[row] & quarter))
+        t->cells.at.row_seen[row] |= (uint8_t) quarter;
+}
+
 static void count_far(ntp_tally *t, uint32_t entry, uint32_t b)
 {
     uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
     ntp__count_far(&t->cells.at, row * NTP__ROW_CELLS + b, 1);
-    t->cells.at.row_seen[row] |= NTP__SEEN_FAR;
+    note_far(t, row, b);
 }
 
 static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
@@ -344,8 +352,8 @@ static void note_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
     }
 }
 
-static void count_row(ntp_tally *t, waiting *w, alpha_counts *alpha, const ntp_const_image *src,
-                      int32_t x0, int32_t x1, int32_t y)
+static void count_row(ntp_tally *t, waiting *w, close_counts *close, alpha_counts *alpha,
+                      const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
 {
     bool picture = src->encoding == NTP_ENCODING_HEIGHT;
     bool bytes = !picture && !t->cells.few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
@@ -361,9 +369,9 @@ static void count_row(ntp_tally *t, waiting *w, alpha_counts *alpha, const ntp_c
             continue;
         n = x1 - x < step ? x1 - x : step;
         if (bytes && src->channels == 3) {
-            count_rgb8(t, ntp__at(src, x, y), n);
+            count_rgb8(t, close, ntp__at(src, x, y), n);
         } else if (bytes) {
-            count_rgba8(t, alpha, ntp__at(src, x, y), n);
+            count_rgba8(t, close, alpha, ntp__at(src, x, y), n);
         } else if (words && w->noise == 0) {
             count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), n);
         } else {
@@ -376,6 +384,8 @@ static void count_row(ntp_tally *t, waiting *w, alpha_counts *alpha, const ntp_c
                 count_block(t, &block, n, m);
         }
     }
+    if (t->colors < 2)
+        end_survey(t, close);
     if (!picture && t->colors < 2 && (w->n > 0 || t->narrow + t->wide.texels > used) &&
         !has_one_color(t))
         note_row(t, src, x0, x1, y);
@@ -425,8 +435,11 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
         left.block.c[3][i] = 65535;
     alpha_counts alpha;
     begin_alpha(&alpha, touch_unused);
+    close_counts close;
+    begin_close(&close);
     for (int32_t y = rect.y0; y < rect.y1; y++)
-        count_row(tally, &left, &alpha, src, rect.x0, rect.x1, y);
+        count_row(tally, &left, &close, &alpha, src, rect.x0, rect.x1, y);
+    end_survey(tally, &close);
     end_waiting(tally, &left);
     end_alpha(tally, &alpha);
     tally->cells.unnoted |= !tally->cells.few && tally->narrow > narrow;

@@ -9,16 +9,23 @@
 
 enum { GROUP = 16 /* packed texels that are looked at together */ };
 
+/* Adds sums and extremes of texels. */
+static void add_survey(ntp_tally *t, const ntp__survey8 *survey)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        t->channel[k].sum += survey->sum[k];
+        ntp__merge_max(&t->channel[k].max, survey->greatest[k]);
+        ntp__merge_max(&t->channel[k].inverted_min, ~survey->least[k]);
+    }
+}
+
 /* Sums and extremes of packed texels. */
 static void add_bytes(ntp_tally *t, const uint8_t *p, int32_t n, int32_t channels)
 {
     ntp__survey8 survey;
     const int32_t done = ntp__kernels(NTP__CPU_ALL)->survey8(&survey, p, n, channels);
-    for (int32_t k = 0; done > 0 && k < 3; k++) {
-        t->channel[k].sum += survey.sum[k];
-        ntp__merge_max(&t->channel[k].max, survey.greatest[k]);
-        ntp__merge_max(&t->channel[k].inverted_min, ~survey.least[k]);
-    }
+    if (done > 0)
+        add_survey(t, &survey);
     for (int32_t i = done; i < n; i++)
         add_color(t, p[channels * i], p[channels * i + 1], p[channels * i + 2]);
 }
@@ -39,7 +46,7 @@ static inline bool is_even_rgb8(const uint8_t *p)
 
 /* Counts `count` texels of this color outside the near cells, where all grays are.  Returns how
  * many of them are black or white, and unused for that. */
-static inline uint32_t count_odd(ntp_tally *t, const uint8_t *p, uint32_t entry, uint32_t count)
+static uint32_t count_odd(ntp_tally *t, const uint8_t *p, uint32_t entry, uint32_t count)
 {
     if ((p[0] == p[1]) & (p[1] == p[2])) {
         t->gray += count;
@@ -55,8 +62,7 @@ static inline uint32_t count_odd(ntp_tally *t, const uint8_t *p, uint32_t entry,
     uint32_t row = ntp__entry_cells(entry) / NTP__NEAR;
     t->cells.far_texels += count;
     ntp__count_far(&t->cells.at, row * NTP__ROW_CELLS + p[2], count);
-    if (!(t->cells.at.row_seen[row] & NTP__SEEN_FAR)) /* storing it again would be waited for */
-        t->cells.at.row_seen[row] |= NTP__SEEN_FAR;
+    note_far(t, row, p[2]);
     return 0;
 }
 
@@ -89,23 +95,58 @@ static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t do
     return count(&t->cells.at, p, n, channels, &t->gray);
 }
 
+/* What close texels are counted by, over rows. */
+typedef struct close_counts {
+    ntp__count_close8_fn *count;
+    bool surveys; /* are these texels in the survey, rather than in the tally? */
+    ntp__close8_block part;
+} close_counts;
+
+static void begin_close(close_counts *c)
+{
+    ntp__kernels_table kernels;
+    ntp__pick_kernels(&kernels, NTP__CPU_ALL);
+    c->count = kernels.count_close8;
+    c->surveys = ntp__cpu_has_avx512(NTP__CPU_ALL);
+    memset(&c->part.survey, 0, sizeof c->part.survey);
+}
+
+/* Adds what is in the survey to the tally. */
+static void end_survey(ntp_tally *t, close_counts *c)
+{
+    ntp__close8_survey *const s = &c->part.survey;
+    ntp__survey8 least, all;
+    if (s->texels == 0)
+        return;
+    ntp__kernels(NTP__CPU_ALL)->survey8(&least, s->extremes[0], sizeof s->extremes[0] / 4, 4);
+    ntp__kernels(NTP__CPU_ALL)->survey8(&all, s->extremes[1], sizeof s->extremes[1] / 4, 4);
+    for (int32_t k = 0; k < 3; k++) {
+        all.sum[k] = s->sum[k];
+        all.least[k] = 255 - least.greatest[k];
+    }
+    add_survey(t, &all);
+    memset(s, 0, sizeof *s);
+}
+
 /* Counts close texels of the first ones of a row of texels, and returns of how many; `next` ones after them
- * are to be counted in another way.  Where it leaves more than a quarter, as in photographs and damaged
- * textures, close texels are looked for again later. */
-static int32_t count_close(ntp_tally *t, ntp__close8_block *part, int32_t *next, const uint8_t *p,
+ * are to be counted in another way.  Where it leaves more than half, as in photographs, close texels are looked
+ * for again later. */
+static int32_t count_close(ntp_tally *t, close_counts *c, int32_t *next, const uint8_t *p,
                            int32_t n, int32_t channels, size_t ahead)
 {
-    enum { BLOCK = 256, MOST = 256 * BLOCK };
-    ntp__count_close8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_close8;
-    int32_t size = n < BLOCK ? n / GROUP * GROUP : BLOCK;
-    part->others = 0;
+    enum { BLOCK = 256, STEP = NTP__KERNEL_LANES, MOST = 256 * BLOCK };
+    ntp__close8_block *const part = &c->part;
+    int32_t size = n < BLOCK ? n / STEP * STEP : BLOCK;
+    part->others = part->colors = 0;
     *next = n;
-    if (count == NULL || size == 0)
+    if (c->count == NULL || size == 0)
         return 0;
     if (t->not_close == 0) {
-        count(part, t->cells.close, p, size, channels, ahead);
-        t->cells.has_close |= part->others < size;
-        if (4 * part->others <= size)
+        c->count(part, t->cells.close, p, size, channels, ahead);
+        const int32_t left = part->others + part->colors;
+        t->cells.has_close |= left < size;
+        t->cells.grouped |= 4 * left > size;
+        if (2 * left <= size)
             t->last_not_close = 0;
         else if (t->last_not_close < MOST)
             t->last_not_close = 2 * t->last_not_close + BLOCK;
@@ -169,45 +210,47 @@ static void end_far(ntp_tally *t, far_waiting *far)
     far->n = 0;
 }
 
-/* Counts packed RGB that is left, but for what is put into `far`, which has room for 256. */
-static uint64_t count_left(ntp_tally *t, far_waiting *far, const ntp__close8_block *part,
+/* Counts packed RGB that is left, but for what is put into `far`, which has room for 256: also colors with a
+ * near cell, as which of them have one is as good as random. */
+static uint64_t count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *part,
                            const uint8_t *p)
 {
     uint64_t unused = 0;
-    int32_t n = far->n;
     for (int32_t i = 0; i < part->others; i++) {
         const uint8_t *const q = p + 3 * part->left[i];
-        const uint32_t row = part->row[part->left[i]], first = t->cells.row_first[row];
-        const uint32_t place = q[2] - first;
-        if (place < NTP__NEAR) {
-            t->cells.at.near[row * NTP__NEAR + place]++;
-        } else if ((q[0] == q[1]) & (q[1] == q[2])) {
-            unused += count_odd(t, q, ntp__entry(row, first), 1);
-        } else {
-            far->at[n] = row * NTP__ROW_CELLS + q[2];
-            fetch(t->cells.at.far, far->at[n++]);
-            t->cells.at.row_seen[row] |= NTP__SEEN_FAR;
-        }
+        const uint32_t row = part->row[part->left[i]];
+        if ((q[0] == q[1]) & (q[1] == q[2]))
+            unused += count_odd(t, q, ntp__entry(row, 0), 1);
+        else
+            part->color[part->colors++] = row | (uint32_t) q[2] << 16;
     }
-    far->n = n;
-    if (n > 256)
+    for (int32_t i = 0; i < part->colors; i++) {
+        const uint32_t row = part->color[i] & 65535, blue = part->color[i] >> 16;
+        const uint32_t cell = row * NTP__ROW_CELLS + blue;
+        fetch(t->cells.at.far, cell);
+        far->at[far->n++] = cell;
+        note_far(t, row, blue);
+    }
+    if (far->n > 256)
         end_far(t, far);
     return unused;
 }
 
-static void count_rgb8(ntp_tally *t, const uint8_t *p, int32_t n)
+static void count_rgb8(ntp_tally *t, close_counts *c, const uint8_t *p, int32_t n)
 {
-    ntp__close8_block part;
     far_waiting far;
     int32_t next;
     const size_t ahead = 3 * (size_t) n;
     far.n = 0;
-    add_bytes(t, p, n, 3);
+    if (!c->surveys)
+        add_bytes(t, p, n, 3);
     t->narrow += (uint64_t) n;
     while (n > 0) {
-        const int32_t done = count_close(t, &part, &next, p, n, 3, ahead);
-        t->narrow -= count_left(t, &far, &part, p);
+        const int32_t done = count_close(t, c, &next, p, n, 3, ahead);
+        t->narrow -= count_left(t, &far, &c->part, p);
         p += 3 * done;
+        if (c->surveys && next > 0)
+            add_bytes(t, p, next, 3);
         t->narrow -= look_up_rgb8(t, p, next, ahead);
         p += 3 * next;
         n -= done + next;
@@ -333,20 +376,24 @@ static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32
         count_one_rgba8(t, c, p, 1);
 }
 
-static void count_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n)
+static void count_rgba8(ntp_tally *t, close_counts *close, alpha_counts *c, const uint8_t *p,
+                        int32_t n)
 {
-    ntp__close8_block part;
+    const ntp__close8_block *const part = &close->part;
     int32_t next;
     const size_t row = 4 * (size_t) n;
     c->unused = c->ag = 0;
-    add_bytes(t, p, n, 4);
+    if (!close->surveys)
+        add_bytes(t, p, n, 4);
     t->narrow += (uint64_t) n;
     while (n > 0) {
-        const int32_t done = count_close(t, &part, &next, p, n, 4, row);
-        t->alpha[255] += (uint32_t) (done - part.others);
-        for (int32_t i = 0; i < part.others; i++)
-            count_one_rgba8(t, c, p + 4 * part.left[i], 1);
+        const int32_t done = count_close(t, close, &next, p, n, 4, row);
+        t->alpha[255] += (uint32_t) (done - part->others);
+        for (int32_t i = 0; i < part->others; i++)
+            count_one_rgba8(t, c, p + 4 * part->left[i], 1);
         p += 4 * done;
+        if (close->surveys && next > 0)
+            add_bytes(t, p, next, 4);
         look_up_rgba8(t, c, p, next);
         p += 4 * next;
         n -= done + next;

@@ -45,7 +45,7 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 #endif
     for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++) {
 #ifdef NTP_HAVE_AVX2
-        if (dense && t->cells.at.row_seen[row] & NTP__SEEN_FAR &&
+        if (dense && t->cells.at.row_seen[row] & NTP__SEEN_QUARTERS &&
             ntp__add_dense_row_avx2(&t->used, t->blues, &t->cells, row)) {
             t->cells.at.row_seen[row] |= NTP__SEEN_DENSE;
             continue;

@@ -27,8 +27,16 @@ enum {
 };
 
 /* Where the cells of a row hold counts; and that many of them do, noted where the row was added as a
- * whole. */
-enum { NTP__SEEN_NEAR = 1, NTP__SEEN_FAR = 2, NTP__SEEN_CARRIED = 4, NTP__SEEN_DENSE = 8 };
+ * whole.  Of those that are not near ones each quarter has a bit, from NTP__SEEN_QUARTER on: where few colors are
+ * far from exact, most of a row is neither read nor cleared. */
+enum {
+    NTP__SEEN_NEAR = 1,
+    NTP__SEEN_CARRIED = 4,
+    NTP__SEEN_DENSE = 8,
+    NTP__SEEN_QUARTER = 16,
+    NTP__SEEN_QUARTERS = 15 * NTP__SEEN_QUARTER,
+    NTP__QUARTER = 64 /* blues */
+};
 
 /* Close texels of a row, whose blue is one of eight around its derived one: from 4 levels below that to 3
  * above it, told apart by their low bits.  These are the high bits of a number of 16 bits, so that rows which

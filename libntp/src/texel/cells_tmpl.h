@@ -102,11 +102,11 @@ ONE_COPY static void count_each(ntp__cell_counts *counts, const uint32_t *at, co
         for (int32_t k = i; k < i + 4; k++)
             _mm_prefetch((const char *) counts->far + at[k], _MM_HINT_T0);
         /* storing it again would be waited for */
-        if (seen[rows[i]] & seen[rows[i + 1]] & seen[rows[i + 2]] & seen[rows[i + 3]] &
-            NTP__SEEN_FAR)
+        const int all = seen[rows[i]] & seen[rows[i + 1]] & seen[rows[i + 2]] & seen[rows[i + 3]];
+        if ((all & NTP__SEEN_QUARTERS) == NTP__SEEN_QUARTERS)
             continue;
         for (int32_t k = i; k < i + 4; k++)
-            counts->row_seen[rows[k]] |= NTP__SEEN_FAR;
+            counts->row_seen[rows[k]] |= NTP__SEEN_QUARTERS;
     }
     for (int32_t i = 0; i < part; i++) {
         UNROLLED
@@ -136,7 +136,7 @@ static int32_t count_cells(ntp__cell_counts *counts, const uint8_t *src, int32_t
                                 cells_of(row, colors[k]));
         }
         if (lanes_set(same) == ALL) {
-            counts->row_seen[rows[waiting]] |= NTP__SEEN_FAR;
+            counts->row_seen[rows[waiting]] |= NTP__SEEN_QUARTERS;
             ntp__count_far(counts, at[waiting], GROUP);
             continue;
         }
@@ -249,36 +249,45 @@ static inline uint32_t lanes_of_words(__m256i words)
     return (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(low, high));
 }
 
+/* Whether any texel of a group is left is as good as random: so it is asked once for all of them. */
 static void count_close8(ntp__close8_block *out, ntp__close8_counts close, const uint8_t *src,
                          int32_t n, int32_t channels, size_t ahead)
 {
     enum { GROUP = 16, COPIES = NTP__CLOSE8_COPIES };
-    uint16_t at[256];
+    uint16_t at[256], left[256 / GROUP];
     const layout8 layout = layout8_of(channels);
-    int32_t waiting = 0, others = 0;
+    __m256i unlike = _mm256_setzero_si256(); /* the first place */
+    uint32_t any = 0;
+    int32_t others = 0;
     for (int32_t i = 0; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
         __m256i rows, places;
         _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
         const __m256i other = are_other(&rows, &places, src, &layout);
         _mm256_storeu_si256((__m256i *) (void *) (out->row + i), rows);
-        _mm256_storeu_si256((__m256i *) (void *) (at + waiting), places);
-        const uint32_t left = lanes_of_words(other);
-        for (int32_t k = 0; left != 0 && k < GROUP; k += 4)
-            others += find_four_bytes(out->left + others, i + k, left >> k & 15);
-        const __m256i first = _mm256_broadcastw_epi16(_mm256_castsi256_si128(places));
-        if (_mm256_movemask_epi8(_mm256_cmpeq_epi16(places, first)) == -1) {
-            for (int k = 0; k < COPIES; k++)
-                close[at[waiting]][k] += GROUP / COPIES;
-            continue;
-        }
-        waiting += GROUP;
+        _mm256_storeu_si256((__m256i *) (void *) (at + i), places);
+        unlike =
+            _mm256_or_si256(unlike, _mm256_xor_si256(places, _mm256_set1_epi16((short) at[0])));
+        left[i / GROUP] = (uint16_t) lanes_of_words(other);
+        any |= left[i / GROUP];
     }
-    for (int32_t i = 0; i < waiting; i += COPIES) {
+    for (int32_t i = 0; any != 0 && i + GROUP <= n; i += GROUP) {
+        UNROLLED
+        for (int32_t k = 0; k < GROUP; k += 4)
+            others += find_four_bytes(out->left + others, i + k, left[i / GROUP] >> k & 15);
+    }
+    out->others = others;
+    out->colors = 0;
+    if (_mm256_testz_si256(unlike,
+                           unlike)) { /* each of these counts would wait for the one before */
+        for (int k = 0; k < COPIES; k++)
+            close[at[0]][k] += (uint32_t) n / COPIES;
+        return;
+    }
+    for (int32_t i = 0; i < n; i += COPIES) {
         UNROLLED
         for (int k = 0; k < COPIES; k++)
             close[at[i + k]][k]++;
     }
-    out->others = others;
 }
 #else
 #  define count_cells  NULL

@@ -76,18 +76,27 @@ typedef void ntp__validate_rgb_fn(uint8_t *flags, const void *src, int32_t n,
 typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
                                int32_t channels, uint64_t *gray);
 
-/* What is known of packed texels of 8 bit: the row of each, and the places of those that are not counted,
- * in order. */
+/* Sums and extremes of packed texels of 8 bit: 0 of none.  The extremes are the greatest ones of these texels of
+ * 4 channels, of which the last one says nothing. */
+typedef struct ntp__close8_survey {
+    uint64_t texels, sum[3];
+    uint8_t extremes[2][32 * 4]; /* 255 less the least level, and the greatest */
+} ntp__close8_survey;
+
+/* What is known of packed texels of 8 bit: the places of those that are not counted, in order, and at each of
+ * these their row.  Instead of its place a kernel may give a color that is not gray, as row | blue << 16. */
 typedef struct ntp__close8_block {
     uint16_t row[256];
     uint8_t left[256];
-    int32_t others; /* how many are not counted */
+    uint32_t color[256];
+    int32_t others, colors;    /* how many are not counted: places, and colors */
+    ntp__close8_survey survey; /* of this block and those before; not all kernels add to it */
 } ntp__close8_block;
 
 /*
  * Counts packed texels of 3 or 4 channels of 8 bit that are opaque, not gray and close to exact: all of
  * those with the derived blue, and of others those with places in the counts but for u < 4 (cells_tmpl.h).
- * n <= 256, a multiple of NTP__KERNEL_STEP.  What lies `ahead`
+ * n <= 256, a multiple of NTP__KERNEL_LANES.  What lies `ahead`
  * bytes further on is fetched, as sums of the next row would wait for it.
  */
 typedef void ntp__count_close8_fn(ntp__close8_block *out, ntp__close8_counts close,
