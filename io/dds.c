@@ -184,4 +184,4 @@ static bool dds_open(ntpio_reader *reader, ntpio_error *error)
 }
 
 const ntpio__decoder ntpio__dds_decoder = { dds_open, ntpio__texture_rows, NULL,
-                                            ntpio__texture_close, NULL };
+                                            ntpio__texture_close, NULL, NULL };

@@ -272,7 +272,9 @@ static void read_all(ntpio__deflater *d, int level, size_t from)
 
 ntpio__deflater *ntpio__deflater_new(int level)
 {
-    ntpio__deflater *d = calloc(1, sizeof *d);
+    ntpio__deflater *d = malloc(sizeof *d);
+    if (d != NULL)
+        memset(d, 0, offsetof(ntpio__deflater, sums));
     if (d != NULL && level >= CAREFUL)
         d->careful = calloc(1, sizeof *d->careful);
     if (d != NULL && level >= CAREFUL && d->careful == NULL) {

@@ -54,7 +54,6 @@ typedef struct careful {
 struct ntpio__deflater {
     int32_t near_places[1 << NEAR_BITS], far_places[1 << FAR_BITS]; /* the newest; -1: none */
     int32_t before[NTPIO__WINDOW]; /* the place before, of the same six bytes */
-    ntpio__step steps[BLOCK + 2 * SPAN];
     size_t count, in_block;             /* steps; the rest is the newest part */
     size_t counted;                     /* steps that block and part have */
     size_t block_symbols, part_symbols; /* literals and matches */
@@ -64,7 +63,6 @@ struct ntpio__deflater {
     uint32_t literals[NTPIO__LITERALS]; /* costs */
     uint32_t lengths[NTPIO__LENGTH_MAX + 1];
     uint32_t distances[NTPIO__DISTANCES];
-    uint32_t sums[SPAN + NTPIO__LENGTH_MAX + 1]; /* of costs as literals, from the span's start */
     bool literals_are_rare;                      /* in the span before */
     size_t misses;                               /* bytes in a row without a match */
     int leaps;                                   /* spans that are to be read leaping */
@@ -75,6 +73,9 @@ struct ntpio__deflater {
     size_t block_from, to;
     ntpio__bits bits;
     size_t in_bits; /* of what was packed last */
+    /* These hold nothing until they are written, and small pictures fill few pages of them. */
+    uint32_t sums[SPAN + NTPIO__LENGTH_MAX + 1]; /* of costs as literals, from the span's start */
+    ntpio__step steps[BLOCK + 2 * SPAN];
 };
 
 /* Costs of symbols that occur as often. */

@@ -397,4 +397,4 @@ static void exr_close(ntpio_reader *reader)
     free(s);
 }
 
-const ntpio__decoder ntpio__exr_decoder = { exr_open, exr_rows, NULL, exr_close, NULL };
+const ntpio__decoder ntpio__exr_decoder = { exr_open, exr_rows, NULL, exr_close, NULL, NULL };

@@ -265,4 +265,4 @@ static void jpeg_close(ntpio_reader *reader)
     free(s);
 }
 
-const ntpio__decoder ntpio__jpeg_decoder = { jpeg_open, jpeg_rows, jpeg_end, jpeg_close, NULL };
+const ntpio__decoder ntpio__jpeg_decoder = { jpeg_open, jpeg_rows, jpeg_end, jpeg_close, NULL, NULL };

@@ -237,4 +237,4 @@ static bool ktx2_open(ntpio_reader *reader, ntpio_error *error)
 }
 
 const ntpio__decoder ntpio__ktx2_decoder = { ktx2_open, ntpio__texture_rows, NULL,
-                                             ntpio__texture_close, NULL };
+                                             ntpio__texture_close, NULL, NULL };

@@ -157,6 +157,13 @@ bool ntpio_read_rows(ntpio_reader *reader, void *dst, ptrdiff_t stride, uint32_t
  * again.  ntpio_read_end is called once all the same. */
 bool ntpio_rewind(ntpio_reader *reader);
 
+/*
+ * Unpacks a part of the picture that is not unpacked yet, if the reader holds it packed or not at all
+ * so far.  One other thread may call this again and again while rows are read, until it returns false:
+ * nothing is left to unpack, or rows are unpacked only when they are read.
+ */
+bool ntpio_unpack(ntpio_reader *reader);
+
 /* Is the file at `path` still the version that was read?  True if the stamp is not known. */
 bool ntpio_is_current(const char *path, const ntpio_stamp *stamp);
 

@@ -243,6 +243,11 @@ bool ntpio_rewind(ntpio_reader *reader)
     return can;
 }
 
+bool ntpio_unpack(ntpio_reader *reader)
+{
+    return reader->decoder->unpack != NULL && reader->decoder->unpack(reader);
+}
+
 void ntpio_close_file(ntpio_reader *reader)
 {
     ntpio__source_close(&reader->source);

@@ -166,7 +166,7 @@ static void pfm_close(ntpio_reader *reader)
     free(reader->state);
 }
 
-const ntpio__decoder ntpio__pfm_decoder = { pfm_open, pfm_rows, NULL, pfm_close, NULL };
+const ntpio__decoder ntpio__pfm_decoder = { pfm_open, pfm_rows, NULL, pfm_close, NULL, NULL };
 
 /* ------------------------------------------------------------------------ writing */
 

@@ -22,6 +22,7 @@
  */
 #include "png_band.h"
 
+#include <os/memory.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -62,13 +63,23 @@ static size_t most_packed(const ntpio__banding *p)
            NTPIO__ZLIB_CHECKSUM;
 }
 
+/* The texel before each row is zeros. */
+static uint8_t *new_rows(const ntpio__banding *p)
+{
+    const size_t rows = p->at_once ? 2 : p->rows + (size_t) 1;
+    uint8_t *raw = os_alloc_large(rows * p->pitch);
+    for (size_t y = 0; raw != NULL && y < rows; y++)
+        memset(raw + y * p->pitch, 0, NTPIO__TEXEL_MAX);
+    return raw;
+}
+
 bool ntpio__band_init(const ntpio__banding *p, ntpio__band *b)
 {
     const size_t size = p->rows * (p->row_size + 1);
     ntpio__band_free(b);
     b->deflater = ntpio__deflater_new(p->rival != 0 ? NTPIO__LEVEL_MAX : p->level);
-    b->raw = calloc(p->at_once ? 2 : p->rows + (size_t) 1, p->pitch);
-    b->filtered = malloc(NTPIO__WINDOW + size + NTPIO__SLACK);
+    b->raw = new_rows(p);
+    b->filtered = os_alloc_large(NTPIO__WINDOW + size + NTPIO__SLACK);
     b->out = malloc(most_packed(p));
     b->again = malloc(most_packed(p));
     return b->deflater != NULL && b->raw != NULL && b->filtered != NULL && b->out != NULL &&

@@ -475,4 +475,11 @@ static bool png_rewind(ntpio_reader *reader)
     return s->stream != NULL && s->other == NULL && ntpio__png_stream_rewind(s->stream);
 }
 
-const ntpio__decoder ntpio__png_decoder = { png_open, png_rows, png_end, png_close, png_rewind };
+static bool png_unpack(ntpio_reader *reader)
+{
+    const png_state *s = reader->state;
+    return s->stream != NULL && ntpio__png_stream_unpack(s->stream);
+}
+
+const ntpio__decoder ntpio__png_decoder = { png_open,  png_rows,   png_end,
+                                            png_close, png_rewind, png_unpack };

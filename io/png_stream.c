@@ -9,7 +9,8 @@
  *
  * If the picture is kept, the room is all of it.  Then filters are undone in place, as soon as the
  * window has left a row behind, and rows are copied as often as they are read.  Fresh memory for the
- * file as well would take as long as unpacking.
+ * file as well would take as long as unpacking.  Another thread may unpack it meanwhile, or they take
+ * turns: who unpacks has the file and what is behind the window to itself.
  */
 #include "png_stream.h"
 
@@ -17,6 +18,7 @@
 
 #include "inflate.h"
 #include "os/memory.h"
+#include "os/threads.h"
 #include "png_filter.h"
 #include "png_plain.h"
 #include "png_sums.h"
@@ -27,6 +29,8 @@ enum {
     PACKED_SIZE = 1 << 15,
     PART = 1 << 16, /* is unpacked at once: it stays in the cache until its checksum is made */
     DENSEST = 1032, /* deflate makes at most so many bytes of one */
+    SOON = 2 * PART,    /* who waits for a row waits for so much more */
+    PAGES = 2 << 20, /* are asked for at once */
     CHUNK_HEAD = 8,
     CHECKSUM = 4,
     SIGNATURE = 8,
@@ -49,6 +53,11 @@ struct ntpio__png_stream {
     size_t after_size;
     uint8_t *room, *from, *to, *room_end; /* from: the first row that is not taken; to: its end */
     uint8_t *above;                       /* the row before `row` */
+    os_lock lock;                         /* of a picture that is kept: of the six below */
+    os_condition changed;
+    bool unpacking, whole, stuck; /* somebody is at it; nothing is left; nothing more will come */
+    size_t reached, wanted;       /* bytes that are unpacked, and that are waited for */
+    size_t sure, present;         /* of these, the reader knows; pages that were asked for */
     ntpio__inflate inflate;
     uint8_t packed[PACKED_SIZE + NTPIO__IN_SLACK];
 };
@@ -212,6 +221,86 @@ static bool take_tail(ntpio__png_stream *s)
            !ntpio__png_has_pixels(s->shell + begin, s->shell_size - begin);
 }
 
+/* -------------------------------------------------------------------------- turns */
+
+/* Of a picture that is kept: unpacks a part more.  The lock is held before and after. */
+static void unpack_in_turn(ntpio__png_stream *s)
+{
+    s->unpacking = true;
+    os_lock_release(&s->lock);
+    const bool good = !s->ended && unpack(s);
+    os_lock_take(&s->lock);
+    s->unpacking = false;
+    s->stuck = s->stuck || !good;
+    s->whole = s->left == 0;
+    s->reached = (size_t) (s->to - s->room);
+    if (s->whole || s->stuck || s->reached >= s->wanted)
+        os_condition_wake_all(&s->changed);
+}
+
+/* Waits until so many bytes are unpacked, or as many as will be. */
+static void wait_for(ntpio__png_stream *s, size_t wanted)
+{
+    s->wanted = wanted;
+    os_condition_wait(&s->changed, &s->lock);
+    s->wanted = SIZE_MAX;
+}
+
+/* Fresh memory comes from the system, which fills it with zeros: who has to wait lets that be done. */
+static bool asks_for_pages(ntpio__png_stream *s)
+{
+    const size_t next = (s->reached + PAGES - 1) / PAGES * PAGES;
+    const size_t first = s->present > next ? s->present : next;
+    if (first + PAGES > (size_t) (s->room_end - s->room))
+        return false;
+    s->present = first + PAGES;
+    os_lock_release(&s->lock);
+    os_make_present(s->room + first, PAGES);
+    os_lock_take(&s->lock);
+    return true;
+}
+
+/* Unpacks so many bytes, or waits for who does.  False: they do not come. */
+static bool reaches(ntpio__png_stream *s, size_t size)
+{
+    if (size <= s->sure)
+        return true;
+    os_lock_take(&s->lock);
+    while (s->reached < size && !s->whole && !s->stuck) {
+        if (!s->unpacking)
+            unpack_in_turn(s);
+        else if (!asks_for_pages(s))
+            wait_for(s, size + SOON);
+    }
+    s->sure = s->whole && !s->stuck ? SIZE_MAX : s->reached;
+    os_lock_release(&s->lock);
+    return size <= s->sure;
+}
+
+bool ntpio__png_stream_unpack(ntpio__png_stream *s)
+{
+    if (!s->keeps)
+        return false;
+    os_lock_take(&s->lock);
+    while (s->unpacking)
+        wait_for(s, 0);
+    const bool more = !s->whole && !s->stuck;
+    if (more)
+        unpack_in_turn(s);
+    os_lock_release(&s->lock);
+    return more;
+}
+
+/* The file is read in another way from now on. */
+static void stop_unpacking(ntpio__png_stream *s)
+{
+    os_lock_take(&s->lock);
+    s->stuck = true;
+    while (s->unpacking)
+        wait_for(s, 0);
+    os_lock_release(&s->lock);
+}
+
 /* --------------------------------------------------------------------------- rows */
 
 /*
@@ -220,11 +309,15 @@ static bool take_tail(ntpio__png_stream *s)
  */
 static bool has_row(ntpio__png_stream *s)
 {
-    const size_t size = s->shape.row_size + 1 + (s->keeps ? NTPIO__WINDOW : 0);
-    while (!s->faulty && s->left > 0 && (size_t) (s->to - s->from) < size)
+    const size_t size = s->shape.row_size + 1;
+    if (s->keeps)
+        s->faulty = s->faulty || !reaches(s, (size_t) (s->from - s->room) + size + NTPIO__WINDOW);
+    while (!s->keeps && !s->faulty && s->left > 0 && (size_t) (s->to - s->from) < size)
         s->faulty = s->ended || !unpack(s);
     s->faulty = s->faulty || *s->from >= NTPIO__FILTERS ||
                 (s->taken + 1 == s->shape.height && !(ends_well(s) && take_tail(s)));
+    if (s->keeps && s->faulty)
+        stop_unpacking(s);
     return !s->faulty;
 }
 
@@ -407,6 +500,9 @@ ntpio__png_stream *ntpio__png_stream_open(ntpio_reader *reader)
     s->keeps = keeps;
     s->left = size_of(&shape);
     s->sum = 1;
+    s->wanted = SIZE_MAX;
+    os_lock_init(&s->lock);
+    os_condition_init(&s->changed);
     if (find_room(s) && take_head(s) && take_zlib_header(s))
         return s;
     ntpio__png_stream_close(s);
@@ -430,6 +526,8 @@ void ntpio__png_stream_close(ntpio__png_stream *s)
 {
     if (s == NULL)
         return;
+    os_condition_destroy(&s->changed);
+    os_lock_destroy(&s->lock);
     free(s->shell);
     free(s->room);
     free(s->above);

@@ -29,6 +29,9 @@ bool ntpio__png_stream_packed_hard(const ntpio__png_stream *stream);
 uint32_t ntpio__png_stream_rows(ntpio__png_stream *stream, uint8_t *dst, ptrdiff_t stride,
                                 uint32_t count, bool swap);
 
+/* As ntpio_unpack, of a picture that is kept. */
+bool ntpio__png_stream_unpack(ntpio__png_stream *stream);
+
 /* Back to the first row.  False: the picture is not kept. */
 bool ntpio__png_stream_rewind(ntpio__png_stream *stream);
 

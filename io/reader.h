@@ -18,6 +18,7 @@ typedef struct ntpio__decoder {
     bool (*end)(ntpio_reader *reader, ntpio_error *error); /* or NULL */
     void (*close)(ntpio_reader *reader);
     bool (*rewind)(ntpio_reader *reader); /* as ntpio_rewind, or NULL: false */
+    bool (*unpack)(ntpio_reader *reader); /* as ntpio_unpack, or NULL: false */
 } ntpio__decoder;
 
 struct ntpio_reader {

@@ -354,7 +354,7 @@ static void tga_close(ntpio_reader *reader)
     free(s);
 }
 
-const ntpio__decoder ntpio__tga_decoder = { tga_open, tga_rows, NULL, tga_close, NULL };
+const ntpio__decoder ntpio__tga_decoder = { tga_open, tga_rows, NULL, tga_close, NULL, NULL };
 
 /* ------------------------------------------------------------------------ writing */
 

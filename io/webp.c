@@ -106,7 +106,7 @@ static void webp_close(ntpio_reader *reader)
     (void) reader; /* the rows are held, and there is no state */
 }
 
-const ntpio__decoder ntpio__webp_decoder = { webp_open, NULL, NULL, webp_close, NULL };
+const ntpio__decoder ntpio__webp_decoder = { webp_open, NULL, NULL, webp_close, NULL, NULL };
 
 /* ------------------------------------------------------------------------ writing */
 

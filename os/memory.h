@@ -11,7 +11,7 @@
 void *os_alloc_aligned(size_t alignment, size_t size);
 void os_free_aligned(void *memory);
 
-/* As malloc, for free; a large one is rounded up to large pages. */
+/* As malloc, for free; a large one has large pages, and small ones for a small rest. */
 void *os_alloc_large(size_t size);
 
 /* Zeros, of which only what is used takes memory.  For os_free_zeros, with the same size. */
@@ -20,6 +20,10 @@ void os_free_zeros(void *memory, size_t size);
 
 /* Asks for large pages under a buffer that will be used as a whole. */
 void os_large_pages(void *memory, size_t size);
+
+/* Lets the system put pages under large memory that will be used soon, where it can.  Any thread may
+ * use the memory meanwhile; nothing in it changes. */
+void os_make_present(void *memory, size_t size);
 
 /* What is freed from now on may stay with the program: for one that works on file after file. */
 void os_keep_memory(void);

@@ -4,7 +4,8 @@
  *
  * Rows go through a small ring, so memory does not grow with the image.  If a processor is idle, a
  * second thread decodes the next block while the caller works on this one; the ring then holds two
- * blocks.  Who knows that a file is read twice has its rows kept, unless they are many.
+ * blocks.  Who knows that a file is read twice has its rows kept, unless they are many; if the reader
+ * keeps them itself, the second thread unpacks all that it can, and the caller does the rest.
  *
  * Rows that are packed take all threads: reading ahead gets one of them only if there are three or
  * more, and if it is decoding.  What was decoded before is only copied.
@@ -142,13 +143,14 @@ int source_leave_threads(source *s)
 {
     const bool decodes = !s->ended; /* after the end, it was rewound */
     s->alone = !may_read_ahead(s) || !decodes || s->w->threads < 3;
+    s->packs = true;
     return s->alone ? s->w->threads : s->w->threads - 1;
 }
 
 bool source_rewind(source *s, ntpio_error *error)
 {
     stop_ahead(s);
-    s->alone = false;
+    s->alone = s->packs = false;
     s->kept = s->kept || (s->keeps && s->ended);
     if (s->kept || ntpio_rewind(s->reader)) {
         s->next = 0;
@@ -258,6 +260,7 @@ struct ahead {
     os_condition changed;
     uint32_t read;     /* blocks that are in the ring */
     uint32_t released; /* blocks that the caller is done with */
+    bool unpacks;      /* ... and the caller makes blocks of that */
     bool stop, failed;
     ntpio_error error;
 };
@@ -286,6 +289,23 @@ static void *read_ahead(void *context)
     return NULL;
 }
 
+static bool may_go_on(struct ahead *a)
+{
+    os_lock_take(&a->lock);
+    const bool goes_on = !a->stop;
+    os_lock_release(&a->lock);
+    return goes_on;
+}
+
+static void *unpack_ahead(void *context)
+{
+    const source *s = context;
+    struct ahead *a = s->ahead;
+    while (may_go_on(a) && ntpio_unpack(s->reader))
+        continue;
+    return NULL;
+}
+
 static void stop_ahead(source *s)
 {
     struct ahead *a = s->ahead;
@@ -307,7 +327,9 @@ static void start_ahead(source *s)
     s->ahead = need(calloc(1, sizeof *s->ahead));
     os_lock_init(&s->ahead->lock);
     os_condition_init(&s->ahead->changed);
-    if (os_thread_start(&s->ahead->thread, read_ahead, s) == 0)
+    s->ahead->unpacks = !s->packs && ntpio_unpack(s->reader);
+    void *(*const run)(void *) = s->ahead->unpacks ? unpack_ahead : read_ahead;
+    if (os_thread_start(&s->ahead->thread, run, s) == 0)
         return;
     free(s->ahead); /* without a thread the rows are read when they are asked for */
     s->ahead = NULL;
@@ -316,7 +338,7 @@ static void start_ahead(source *s)
 static bool take_block(source *s, uint32_t index, ntpio_error *error)
 {
     struct ahead *a = s->ahead;
-    if (a == NULL)
+    if (a == NULL || a->unpacks)
         return read_block(s, index, error);
     os_lock_take(&a->lock);
     a->released = index;

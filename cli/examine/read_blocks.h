@@ -40,6 +40,7 @@ typedef struct source {
     bool kept;           /* w->kept has them all, and no other pass reads the file */
     bool ended;          /* the end of the file was reached and checked */
     bool alone;          /* this pass reads nothing ahead */
+    bool packs;          /* the rows of this pass are packed */
     int read_permille;   /* of the work that reading is; 0: all of it */
     orient orient;
     bool find_slopes; /* orient.c also finds `most` */

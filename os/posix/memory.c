@@ -15,7 +15,11 @@
 #  include <malloc.h>
 #endif
 
-enum { PAGE = 4096, LARGE = 2 << 20 };
+enum {
+    PAGE = 4096,
+    LARGE = 2 << 20,
+    SMALL_REST = LARGE / 4 /* after whole large pages: less takes small ones */
+};
 
 void os_large_pages(void *memory, size_t size)
 {
@@ -28,13 +32,23 @@ void os_large_pages(void *memory, size_t size)
 #endif
 }
 
+void os_make_present(void *memory, size_t size)
+{
+#ifdef __linux__
+    enum { POPULATE_WRITE = 23 }; /* Linux 5.14; an older one refuses it */
+    madvise(memory, size, POPULATE_WRITE);
+#else
+    (void) memory, (void) size;
+#endif
+}
+
 void *os_alloc_large(size_t size)
 {
     if (size < LARGE || size > SIZE_MAX - LARGE)
         return malloc(size);
     const size_t whole = (size + LARGE - 1) / LARGE * LARGE;
     void *memory = aligned_alloc(LARGE, whole);
-    os_large_pages(memory, whole);
+    os_large_pages(memory, size % LARGE < SMALL_REST ? size / LARGE * LARGE : whole);
     return memory;
 }
 

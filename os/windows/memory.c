@@ -27,6 +27,11 @@ void os_large_pages(void *memory, size_t size)
     (void) memory, (void) size;
 }
 
+void os_make_present(void *memory, size_t size)
+{
+    (void) memory, (void) size;
+}
+
 void os_keep_memory(void)
 {
 }
