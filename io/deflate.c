@@ -153,26 +153,36 @@ static void end_block(ntpio__deflater *d, bool last)
     memset(&d->block, 0, sizeof d->block);
 }
 
-/* Two tables by turns: adding to the same number again has to wait. */
-static inline void count_literals(uint32_t *even, uint32_t *odd, const uint8_t *bytes, size_t count)
+/* Four tables by turns: adding to the same number again has to wait. */
+static inline void count_literals(uint32_t (*counts)[NTPIO__LITERALS], const uint8_t *bytes,
+                                  size_t count)
 {
     size_t i = 0;
-    for (; i + 2 <= count; i += 2) {
-        even[bytes[i]]++;
-        odd[bytes[i + 1]]++;
+    for (; i + 8 <= count; i += 8) {
+        uint64_t w;
+        memcpy(&w, bytes + i, 8);
+        counts[0][w & 255]++;
+        counts[1][w >> 8 & 255]++;
+        counts[2][w >> 16 & 255]++;
+        counts[3][w >> 24 & 255]++;
+        counts[0][w >> 32 & 255]++;
+        counts[1][w >> 40 & 255]++;
+        counts[2][w >> 48 & 255]++;
+        counts[3][w >> 56]++;
     }
-    if (i < count)
-        even[bytes[i]]++;
+    for (; i < count; i++)
+        counts[i % 4][bytes[i]]++;
 }
 
 /* Counts the steps that came to the newest part. */
 static void count_part(ntpio__deflater *d)
 {
-    uint32_t even[NTPIO__LITERALS] = { 0 };
+    uint32_t counts[4][NTPIO__LITERALS];
+    memset(counts, 0, sizeof counts);
     const uint8_t *first = d->bytes + d->block_from + d->block_bytes + d->part_bytes, *at = first;
     for (; d->counted < d->count; d->counted++) {
         const ntpio__step s = d->steps[d->counted];
-        count_literals(even, d->part.words, at, s.literals);
+        count_literals(counts, at, s.literals);
         if (s.match != 0) {
             d->part.words[NTPIO__FIRST_LENGTH + ntpio__length_slot(s.match >> 16)]++;
             d->part.distances[ntpio__distance_slot(s.match & 0xffff)]++;
@@ -181,7 +191,7 @@ static void count_part(ntpio__deflater *d)
         at += s.literals + (s.match >> 16);
     }
     for (unsigned i = 0; i < NTPIO__LITERALS; i++)
-        d->part.words[i] += even[i];
+        d->part.words[i] += counts[0][i] + counts[1][i] + counts[2][i] + counts[3][i];
     d->part_bytes += (size_t) (at - first);
 }
 
