@@ -3,6 +3,8 @@
  * test_png_stream.c - PNG that is kept, in parts and row by row: the same samples, texts and
  * messages
  *
+ * While rows are read, another thread may unpack what is kept.
+ *
  * libpng and zlib are the witnesses.  Files of every kind are made, then most are damaged: filters
  * that do not exist, rows too many or too few, windows that are too small, chunks out of order or
  * longer than the file, bytes changed with and without their checksums mended.
@@ -14,6 +16,7 @@
 #include "png_filter.h"
 #include "png_plain.h"
 #include "png_stream.h"
+#include "os/threads.h"
 
 enum { SIDE = 40, TALL = 7 * SIDE, RAW_MAX = 1 << 17, SURPLUS = 20000, STEP_MAX = 5, FILES = 6000 };
 
@@ -221,13 +224,35 @@ static void look_at_rows(seen *s, ntpio_reader *reader, uint32_t step)
     }
 }
 
-static seen look_so(uint64_t at_once, bool one_pass, uint32_t step)
+static void *unpack_all(void *reader)
+{
+    while (ntpio_unpack(reader))
+        continue;
+    return NULL;
+}
+
+/* How many parts are unpacked before any row is read; AHEAD: another thread unpacks them meanwhile. */
+enum { AHEAD = -1 };
+
+static void look_at_unpacked_rows(seen *s, ntpio_reader *reader, uint32_t step, int parts)
+{
+    os_thread thread;
+    const bool ahead = parts == AHEAD && os_thread_start(&thread, unpack_all, reader) == 0;
+    for (int n = 0; n < parts; n++)
+        ntpio_unpack(reader);
+    look_at_rows(s, reader, step);
+    if (ahead)
+        os_thread_join(thread);
+    CHECK(!ntpio_unpack(reader) || !s->good); /* nothing is left */
+}
+
+static seen look_unpacked(uint64_t at_once, bool one_pass, uint32_t step, int parts)
 {
     seen s = { 0 };
     ntpio_reader *reader = open_made(at_once, one_pass, &s.error);
     s.good = reader != NULL;
     if (s.good)
-        look_at_rows(&s, reader, step);
+        look_at_unpacked_rows(&s, reader, step, parts);
     s.good = s.good && ntpio_read_end(reader, &s.error);
     if (reader != NULL) {
         s.info = *ntpio_reader_info(reader);
@@ -239,6 +264,11 @@ static seen look_so(uint64_t at_once, bool one_pass, uint32_t step)
     }
     ntpio_close(reader);
     return s;
+}
+
+static seen look_so(uint64_t at_once, bool one_pass, uint32_t step)
+{
+    return look_unpacked(at_once, one_pass, step, 0);
 }
 
 /* Reads rows and goes back, as often as the reader can; then all of them, twice. */
@@ -318,6 +348,9 @@ static void test_files(void)
         make_file();
         const seen rows = look(1), once = look(1 << 22), large = look(2);
         const seen parts = look_so(1 << 22, true, 1), fives = look_so(1 << 22, true, STEP_MAX);
+        const seen ahead = look_unpacked(1 << 22, false, 1 + chance(STEP_MAX), AHEAD);
+        CHECK(ahead.good == rows.good && strcmp(ahead.error.message, rows.error.message) == 0 &&
+              (ahead.samples == rows.samples || !rows.good));
         const bool as_good =
             fives.good == rows.good && (fives.samples == rows.samples || !rows.good);
         if (!same(&rows, &once) || !same(&rows, &parts) || !same(&rows, &large) || !as_good) {
@@ -340,9 +373,11 @@ static void test_files(void)
     CHECK(taken > FILES / 3);
 }
 
-/* Repetitions of what was as far before as they may reach, in a picture of many parts. */
+/* Repetitions of what was as far before as they may reach, in a picture of many parts.  Files are cut
+ * off; at last, a row has a filter that does not exist, which shows while parts are unpacked. */
 static void test_far_repetitions(void)
 {
+    enum { CUT = 60, ALL = CUT + 20 };
     enum { WIDTH = 511, HEIGHT = 300, ROW = WIDTH * 6 + 1, DISTANCE = 32000, MOST = HEIGHT * ROW };
     static const uint8_t head[13] = { 0, 0,           WIDTH >> 8,   WIDTH & 255, 0,
                                       0, HEIGHT >> 8, HEIGHT & 255, 16,          2 };
@@ -352,20 +387,27 @@ static void test_far_repetitions(void)
         if (i % ROW == 0)
             large[i] = (uint8_t) chance(NTPIO__FILTERS);
     }
-    uLongf size = sizeof packed.bytes;
-    CHECK(compress2(packed.bytes, &size, large, MOST, 6) == Z_OK);
-    packed.size = size;
-    for (size_t cut = 0; cut < 60; cut++) {
+    for (size_t cut = 0; cut < ALL; cut++) {
+        uLongf size = sizeof packed.bytes;
+        if (cut == CUT)
+            large[ROW * (HEIGHT / 4)] = NTPIO__FILTERS;
+        if (cut == 0 || cut == CUT)
+            CHECK(compress2(packed.bytes, &size, large, MOST, 6) == Z_OK);
+        packed.size = cut == 0 || cut == CUT ? size : packed.size;
         file.size = 0;
         put(&file, "\x89PNG\r\n\x1a\n", 8);
         chunk(&file, "IHDR", head, sizeof head);
         plain = cut == 0;
         put_pixels();
         chunk(&file, "IEND", "", 0);
-        file.size -= cut == 0 ? 0 : chance((uint32_t) file.size - 100);
+        file.size -= cut == 0 || cut >= CUT ? 0 : chance((uint32_t) file.size - 100);
         const seen rows = look_so(1, false, 1), kept = look_so(1 << 22, false, 1);
         const seen parts = look_so(1 << 22, true, STEP_MAX);
         CHECK(rows.good == plain && same(&rows, &kept));
+        for (int unpacked = AHEAD; unpacked < 30; unpacked += 1 + (int) chance(12)) {
+            const seen ahead = look_unpacked(1 << 22, false, 1, unpacked);
+            CHECK(same(&rows, &ahead));
+        }
         CHECK(parts.good == plain && (!plain || parts.samples == rows.samples));
         CHECK(plain || strcmp(parts.error.message, rows.error.message) == 0);
     }

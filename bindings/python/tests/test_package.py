@@ -47,6 +47,7 @@ ELSEWHERE = {
     "ntpio_is_current": "output files take what was read by themselves",
     "ntpio_copy": "shutil copies files",
     "ntpio_rewind": "files are read once",
+    "ntpio_unpack": "files are read once",
     "ntpio_close_file": "files are closed when they are read",
     "ntp_find_border": "ntp_find_borders",
     "ntp_tally_harm": "the data of `check` has it",
