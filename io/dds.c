@@ -183,5 +183,6 @@ static bool dds_open(ntpio_reader *reader, ntpio_error *error)
            ntpio__texture_start(reader, &t, NULL, error);
 }
 
-const ntpio__decoder ntpio__dds_decoder = { dds_open, ntpio__texture_rows, NULL,
-                                            ntpio__texture_close, NULL, NULL };
+const ntpio__decoder ntpio__dds_decoder = { dds_open, ntpio__texture_rows,
+                                            NULL,     ntpio__texture_close,
+                                            NULL,     NULL };

@@ -53,7 +53,7 @@ typedef struct careful {
 
 struct ntpio__deflater {
     int32_t near_places[1 << NEAR_BITS], far_places[1 << FAR_BITS]; /* the newest; -1: none */
-    int32_t before[NTPIO__WINDOW]; /* the place before, of the same six bytes */
+    int32_t before[NTPIO__WINDOW];      /* the place before, of the same six bytes */
     size_t count, in_block;             /* steps; the rest is the newest part */
     size_t counted;                     /* steps that block and part have */
     size_t block_symbols, part_symbols; /* literals and matches */
@@ -63,10 +63,10 @@ struct ntpio__deflater {
     uint32_t literals[NTPIO__LITERALS]; /* costs */
     uint32_t lengths[NTPIO__LENGTH_MAX + 1];
     uint32_t distances[NTPIO__DISTANCES];
-    bool literals_are_rare;                      /* in the span before */
-    size_t misses;                               /* bytes in a row without a match */
-    int leaps;                                   /* spans that are to be read leaping */
-    uint64_t saved_by_short;                     /* matches below eight bytes; in parts of a bit */
+    bool literals_are_rare;  /* in the span before */
+    size_t misses;           /* bytes in a row without a match */
+    int leaps;               /* spans that are to be read leaping */
+    uint64_t saved_by_short; /* matches below eight bytes; in parts of a bit */
     careful *careful;
     const effort *effort;
     const uint8_t *bytes;

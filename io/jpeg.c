@@ -265,4 +265,6 @@ static void jpeg_close(ntpio_reader *reader)
     free(s);
 }
 
-const ntpio__decoder ntpio__jpeg_decoder = { jpeg_open, jpeg_rows, jpeg_end, jpeg_close, NULL, NULL };
+const ntpio__decoder ntpio__jpeg_decoder = {
+    jpeg_open, jpeg_rows, jpeg_end, jpeg_close, NULL, NULL
+};

@@ -236,5 +236,6 @@ static bool ktx2_open(ntpio_reader *reader, ntpio_error *error)
     return ntpio__texture_start(reader, &h.t, image, error);
 }
 
-const ntpio__decoder ntpio__ktx2_decoder = { ktx2_open, ntpio__texture_rows, NULL,
-                                             ntpio__texture_close, NULL, NULL };
+const ntpio__decoder ntpio__ktx2_decoder = { ktx2_open, ntpio__texture_rows,
+                                             NULL,      ntpio__texture_close,
+                                             NULL,      NULL };

@@ -158,9 +158,9 @@ bool ntpio_read_rows(ntpio_reader *reader, void *dst, ptrdiff_t stride, uint32_t
 bool ntpio_rewind(ntpio_reader *reader);
 
 /*
- * Unpacks a part of the picture that is not unpacked yet, if the reader holds it packed or not at all
- * so far.  One other thread may call this again and again while rows are read, until it returns false:
- * nothing is left to unpack, or rows are unpacked only when they are read.
+ * Unpacks a part more of a picture that is kept for ntpio_rewind.  False: nothing is left, or this
+ * reader unpacks rows when they are read.  One other thread may call it again and again while rows are
+ * read; it must not run any more when anything else is called.  What is read is the same.
  */
 bool ntpio_unpack(ntpio_reader *reader);
 

@@ -21,15 +21,15 @@
 #include "os/threads.h"
 #include "png_filter.h"
 #include "png_plain.h"
+#include "png_shell.h"
 #include "png_sums.h"
 
 enum {
-    SHELL_MAX = 1 << 24, /* of what stands around the pixels */
-    ROW_MAX = 1 << 20,   /* unless the picture is kept */
+    ROW_MAX = 1 << 20, /* unless the picture is kept */
     PACKED_SIZE = 1 << 15,
-    PART = 1 << 16, /* is unpacked at once: it stays in the cache until its checksum is made */
-    DENSEST = 1032, /* deflate makes at most so many bytes of one */
-    SOON = 2 * PART,    /* who waits for a row waits for so much more */
+    PART = 1 << 16,  /* is unpacked at once: it stays in the cache until its checksum is made */
+    DENSEST = 1032,  /* deflate makes at most so many bytes of one */
+    SOON = 2 * PART, /* who waits for a row waits for so much more */
     PAGES = 2 << 20, /* are asked for at once */
     CHUNK_HEAD = 8,
     CHECKSUM = 4,
@@ -40,8 +40,7 @@ enum {
 struct ntpio__png_stream {
     ntpio__source *source;
     ntpio__png_shape shape;
-    uint8_t *shell;
-    size_t shell_size, shell_room;
+    ntpio__png_shell shell;
     bool packed_hard, keeps, faulty;
     bool ended;                /* the stream, well or not */
     uint64_t left;             /* bytes that are not unpacked */
@@ -150,44 +149,11 @@ static bool ends_well(ntpio__png_stream *s)
 
 /* ------------------------------------------------------------------------ the shell */
 
-/* Makes room for so many bytes more. */
-static bool grow_shell(ntpio__png_stream *s, size_t size)
-{
-    if (size > SHELL_MAX - s->shell_size)
-        return false;
-    if (s->shell_room - s->shell_size >= size)
-        return true;
-    const size_t room = 2 * (s->shell_size + size);
-    uint8_t *grown = realloc(s->shell, room);
-    if (grown == NULL)
-        return false;
-    s->shell = grown;
-    s->shell_room = room;
-    return true;
-}
-
-static bool add_to_shell(ntpio__png_stream *s, const uint8_t *bytes, size_t size)
-{
-    if (!grow_shell(s, size))
-        return false;
-    memcpy(s->shell + s->shell_size, bytes, size);
-    s->shell_size += size;
-    return true;
-}
-
-static bool read_to_shell(ntpio__png_stream *s, size_t size)
-{
-    if (!grow_shell(s, size) || ntpio__read(s->source, s->shell + s->shell_size, size) != size)
-        return false;
-    s->shell_size += size;
-    return true;
-}
-
 /* The file up to its pixels becomes the start of the shell.  False: there are none, or a tRNS
  * chunk. */
 static bool take_head(ntpio__png_stream *s)
 {
-    if (!read_to_shell(s, HEAD))
+    if (!ntpio__png_shell_read(&s->shell, s->source, HEAD))
         return false;
     for (;;) {
         uint8_t head[CHUNK_HEAD];
@@ -198,10 +164,10 @@ static bool take_head(ntpio__png_stream *s)
             return false;
         if (ntpio__png_is(head, "IDAT")) {
             s->chunk_sum = ntpio__crc32(0, head + 4, 4);
-            return add_to_shell(s, ntpio__no_pixels, NTPIO__NO_PIXELS_SIZE);
+            return ntpio__png_shell_add(&s->shell, ntpio__no_pixels, NTPIO__NO_PIXELS_SIZE);
         }
-        if (!add_to_shell(s, head, CHUNK_HEAD) ||
-            !read_to_shell(s, (size_t) s->chunk_left + CHECKSUM))
+        if (!ntpio__png_shell_add(&s->shell, head, CHUNK_HEAD) ||
+            !ntpio__png_shell_read(&s->shell, s->source, (size_t) s->chunk_left + CHECKSUM))
             return false;
     }
 }
@@ -209,16 +175,10 @@ static bool take_head(ntpio__png_stream *s)
 /* Adds what follows the pixels to the shell. */
 static bool take_tail(ntpio__png_stream *s)
 {
-    enum { SOME = 1 << 12 };
-    const size_t begin = s->shell_size;
-    size_t got = SOME;
-    bool good = add_to_shell(s, s->after, s->after_size);
-    for (; good && got == SOME; s->shell_size += got) {
-        good = grow_shell(s, SOME);
-        got = good ? ntpio__read(s->source, s->shell + s->shell_size, SOME) : 0;
-    }
-    return good && s->source->problem == 0 &&
-           !ntpio__png_has_pixels(s->shell + begin, s->shell_size - begin);
+    const size_t begin = s->shell.size;
+    return ntpio__png_shell_add(&s->shell, s->after, s->after_size) &&
+           ntpio__png_shell_read_all(&s->shell, s->source) &&
+           !ntpio__png_has_pixels(s->shell.bytes + begin, s->shell.size - begin);
 }
 
 /* -------------------------------------------------------------------------- turns */
@@ -513,8 +473,8 @@ ntpio__png_stream *ntpio__png_stream_open(ntpio_reader *reader)
 
 const uint8_t *ntpio__png_stream_shell(const ntpio__png_stream *s, size_t *size)
 {
-    *size = s->shell_size;
-    return s->shell;
+    *size = s->shell.size;
+    return s->shell.bytes;
 }
 
 bool ntpio__png_stream_packed_hard(const ntpio__png_stream *s)
@@ -528,7 +488,7 @@ void ntpio__png_stream_close(ntpio__png_stream *s)
         return;
     os_condition_destroy(&s->changed);
     os_lock_destroy(&s->lock);
-    free(s->shell);
+    free(s->shell.bytes);
     free(s->room);
     free(s->above);
     free(s);
