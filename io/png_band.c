@@ -67,7 +67,8 @@ static size_t most_packed(const ntpio__banding *p)
 static uint8_t *new_rows(const ntpio__banding *p)
 {
     const size_t rows = p->at_once ? 2 : p->rows + (size_t) 1;
-    uint8_t *raw = os_alloc_large(rows * p->pitch);
+    uint8_t *raw = malloc(rows * p->pitch);
+    os_large_pages(raw, rows * p->pitch);
     for (size_t y = 0; raw != NULL && y < rows; y++)
         memset(raw + y * p->pitch, 0, NTPIO__TEXEL_MAX);
     return raw;
@@ -79,7 +80,8 @@ bool ntpio__band_init(const ntpio__banding *p, ntpio__band *b)
     ntpio__band_free(b);
     b->deflater = ntpio__deflater_new(p->rival != 0 ? NTPIO__LEVEL_MAX : p->level);
     b->raw = new_rows(p);
-    b->filtered = os_alloc_large(NTPIO__WINDOW + size + NTPIO__SLACK);
+    b->filtered = malloc(NTPIO__WINDOW + size + NTPIO__SLACK);
+    os_large_pages(b->filtered, NTPIO__WINDOW + size);
     b->out = malloc(most_packed(p));
     b->again = malloc(most_packed(p));
     return b->deflater != NULL && b->raw != NULL && b->filtered != NULL && b->out != NULL &&

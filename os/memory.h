@@ -11,7 +11,7 @@
 void *os_alloc_aligned(size_t alignment, size_t size);
 void os_free_aligned(void *memory);
 
-/* As malloc, for free; a large one has large pages, and small ones for a small rest. */
+/* As malloc, for free; a large one is rounded up to large pages. */
 void *os_alloc_large(size_t size);
 
 /* Zeros, of which only what is used takes memory.  For os_free_zeros, with the same size. */

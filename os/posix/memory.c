@@ -15,11 +15,7 @@
 #  include <malloc.h>
 #endif
 
-enum {
-    PAGE = 4096,
-    LARGE = 2 << 20,
-    SMALL_REST = LARGE / 4 /* after whole large pages: less takes small ones */
-};
+enum { PAGE = 4096, LARGE = 2 << 20 };
 
 void os_large_pages(void *memory, size_t size)
 {
@@ -48,7 +44,7 @@ void *os_alloc_large(size_t size)
         return malloc(size);
     const size_t whole = (size + LARGE - 1) / LARGE * LARGE;
     void *memory = aligned_alloc(LARGE, whole);
-    os_large_pages(memory, size % LARGE < SMALL_REST ? size / LARGE * LARGE : whole);
+    os_large_pages(memory, whole);
     return memory;
 }
 
