@@ -2,12 +2,13 @@
 /*
  * test_same_bytes.c - operations on textures give the same bytes and counts with and without AVX2
  *
- * All triplets of 8 bit; of 16 bit random ones, and many that are exact or beside an exact one.  Then
- * all widths up to 100, between guard pages, packed and strided, of 3 and 4 channels, in place where
- * that is allowed.
+ * And some with AVX-512, too.  All triplets of 8 bit; of 16 bit random ones, and many that are exact or
+ * beside an exact one.  Then all widths up to 100, between guard pages, packed and strided, of 3 and 4
+ * channels, in place where that is allowed.
  */
 #include "guarded.h"
 #include "without_avx2.h"
+#include "without_avx512.h"
 #include "texel/level.h"
 #include "libntp.h"
 
@@ -15,6 +16,15 @@
 #include <string.h>
 
 enum { ROW = 4096, ROWS = 4096, ROWS_16 = 200, WIDEST = 100, SKIPPED = 77 };
+
+/* Allows no instructions but the base ones, AVX2 too, or also AVX-512. */
+enum { SETS = 3 };
+
+static void allow(int set)
+{
+    allowed = set > 0;
+    allowed_512 = set > 1;
+}
 
 /* ------------------------------------------------------------------------------------- texels */
 
@@ -172,10 +182,12 @@ static ntp_status safe(const ntp_image *dst, const ntp_const_image *src, ntp_dif
     return ntp_heatmap(dst, src, NTP_PALETTE_SAFE, 0, NULL);
 }
 
+/* The light just touches texels of which x + y = 2 z. */
 static ntp_status shade(const ntp_image *dst, const ntp_const_image *src, ntp_diff *diff)
 {
+    const ntp_light light = { { 1, 1, -2 }, 0.1, 0.9, 0.2, { 0.6, 0.6, 0.6 } };
     (void) diff;
-    return ntp_shade(dst, src, NULL, NULL);
+    return ntp_shade(dst, src, &light, NULL);
 }
 
 static ntp_status shade_in_color(const ntp_image *dst, const ntp_const_image *src, ntp_diff *diff)
@@ -207,18 +219,17 @@ static void compare_pictures(const ntp_const_image *src, paint_fn *const *paint,
     for (int k = 0; k < 2 && diff[k] == NULL; k++)
         CHECK((diff[k] = calloc(1, ntp_diff_size())) != NULL);
     const size_t size = (size_t) src->width * 3;
+    const void *one = diff[0], *two = diff[1];
     ntp_image dst = ntp_image_packed(plain - size, src->width, 1, 3, NTP_TYPE_U8);
     dst.encoding = NTP_ENCODING_HEIGHT;
     for (int32_t i = 0; i < count; i++) {
-        allowed = false;
-        dst.data = plain - size;
-        CHECK(paint[i](&dst, src, diff[0]) == NTP_OK);
-        allowed = true;
-        dst.data = other - size;
-        CHECK(paint[i](&dst, src, diff[1]) == NTP_OK);
-        CHECK(memcmp(plain - size, other - size, size) == 0);
-        const void *one = diff[0], *two = diff[1];
-        CHECK(paint[i] != differ || memcmp(one, two, ntp_diff_size()) == 0);
+        for (int set = 0; set < SETS; set++) {
+            allow(set);
+            dst.data = (set == 0 ? plain : other) - size;
+            CHECK(paint[i](&dst, src, diff[set > 0]) == NTP_OK);
+            CHECK(set == 0 || memcmp(plain - size, other - size, size) == 0);
+            CHECK(set == 0 || paint[i] != differ || memcmp(one, two, ntp_diff_size()) == 0);
+        }
     }
 }
 
@@ -364,13 +375,12 @@ static void compare_changes(const ntp_const_image *src, uint8_t *plain, uint8_t 
     const size_t size = (size_t) dst.row_stride;
     dst.encoding = src->encoding;
     for (int32_t i = 0; i < CHANGES; i++) {
-        allowed = false;
-        dst.data = plain - size;
-        CHANGE[i](&dst, src);
-        allowed = true;
-        dst.data = other - size;
-        CHANGE[i](&dst, src);
-        CHECK(memcmp(plain - size, other - size, size) == 0);
+        for (int set = 0; set < SETS; set++) {
+            allow(set);
+            dst.data = (set == 0 ? plain : other) - size;
+            CHANGE[i](&dst, src);
+            CHECK(set == 0 || memcmp(plain - size, other - size, size) == 0);
+        }
     }
 }
 

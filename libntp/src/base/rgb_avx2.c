@@ -263,33 +263,45 @@ static inline void flip_part(uint8_t *d, const uint8_t *s, const __m256i *green,
         _mm256_storeu_si256((void *) (d + VECTOR * k), out[k]);
 }
 
-/* Does none of the texels of a part have a green of 0 or M?  The greens of three vectors lie in places that
- * differ, so one vector holds them all. */
-static inline bool all_between(const __m256i v[VECTORS], const __m256i *green, bool deep)
+static inline __m256i load_at(const uint8_t *s, int32_t k)
 {
-    const __m256i g = _mm256_blendv_epi8(_mm256_blendv_epi8(v[0], v[1], green[1]), v[2], green[2]);
+    return _mm256_loadu_si256((const void *) (s + VECTOR * k));
+}
+
+/* The greens of three vectors lie in places that differ, so one vector holds them all.  So do their blues,
+ * each a sample farther on, or at the begin of the next vector. */
+static inline __m256i joined(const __m256i v[VECTORS], __m256i second, __m256i third)
+{
+    return _mm256_blendv_epi8(_mm256_blendv_epi8(v[0], v[1], second), v[2], third);
+}
+
+static inline __m256i next_samples(__m256i v, bool deep)
+{
+    const __m256i other = _mm256_permute2x128_si256(v, v, 1);
+    return deep ? _mm256_alignr_epi8(other, v, 2) : _mm256_alignr_epi8(other, v, 1);
+}
+
+/* A part where no green is 0 or M and equal to its blue, so that no texel is black or white, is flipped
+ * without more.  False, with nothing written, for others. */
+static inline bool flip_plain(uint8_t *d, const uint8_t *s, const __m256i *green, bool deep)
+{
+    const __m256i v[VECTORS] = { load_at(s, 0), load_at(s, 1), load_at(s, 2) };
+    const __m256i g = joined(v, green[1], green[2]);
+    const __m256i b =
+        next_samples(deep ? joined(v, green[0], green[1]) : joined(v, green[2], green[0]), deep);
     const __m256i one = deep ? _mm256_set1_epi16(1) : _mm256_set1_epi8(1);
     const __m256i above = deep ? _mm256_add_epi16(g, one) : _mm256_add_epi8(g, one);
     const __m256i end = deep ? _mm256_cmpeq_epi16(_mm256_min_epu16(above, one), above)
                              : _mm256_cmpeq_epi8(_mm256_min_epu8(above, one), above);
-    return _mm256_testz_si256(end, end);
-}
-
-/* A part whose green is nowhere that of black or white is flipped without more.  False, with nothing
- * written, for others. */
-static inline bool flip_plain(uint8_t *d, const uint8_t *s, const __m256i *green, bool deep)
-{
-    __m256i v[VECTORS];
-    for (int32_t k = 0; k < VECTORS; k++)
-        v[k] = _mm256_loadu_si256((const void *) (s + VECTOR * k));
-    if (!all_between(v, green, deep))
+    if (!_mm256_testz_si256(end, deep ? _mm256_cmpeq_epi16(g, b) : _mm256_cmpeq_epi8(g, b)))
         return false;
     for (int32_t k = 0; k < VECTORS; k++)
         _mm256_storeu_si256((void *) (d + VECTOR * k), _mm256_xor_si256(v[k], green[k]));
     return true;
 }
 
-/* The first and the last part of others are done in a copy, as they have no neighbors. */
+/* The first and the last part are done in a copy, as they have no neighbors; the first only where it is not
+ * plain. */
 static inline void flip(uint8_t *d, const uint8_t *s, int32_t bytes, bool deep, __m256i black,
                         __m256i white)
 {
@@ -298,19 +310,19 @@ static inline void flip(uint8_t *d, const uint8_t *s, int32_t bytes, bool deep, 
     for (int32_t i = 0; i < FLIP; i++)
         pattern[i] = i / (deep ? 2 : 1) % 3 == 1 ? 0xff : 0;
     for (int32_t k = 0; k < VECTORS; k++)
-        green[k] = _mm256_loadu_si256((const void *) (pattern + VECTOR * k));
-    int32_t careful = 0;
-    for (int32_t i = 0; i < bytes; i += FLIP, d += FLIP, s += FLIP) {
-        if (careful == 0 && i + FLIP <= bytes && flip_plain(d, s, green, deep))
-            continue;
-        careful = careful > 0 ? careful - 1 : CAREFUL - 1;
-        const bool inside = i > 0 && i + FLIP < bytes;
-        const size_t left = (size_t) (bytes - i < FLIP ? bytes - i : FLIP);
-        if (!inside)
-            copy(few, s, left);
-        flip_part(inside ? d : few, inside ? s : few, green, deep, black, white);
-        if (!inside)
-            copy(d, few, left);
+        green[k] = load_at(pattern, k);
+    for (int32_t i = 0; i < bytes;) {
+        while (i + FLIP <= bytes && flip_plain(d + i, s + i, green, deep))
+            i += FLIP;
+        for (int32_t parts = 0; parts < CAREFUL && i < bytes; parts++, i += FLIP) {
+            const bool inside = i > 0 && i + FLIP < bytes;
+            const size_t left = (size_t) (bytes - i < FLIP ? bytes - i : FLIP);
+            if (!inside)
+                copy(few, s + i, left);
+            flip_part(inside ? d + i : few, inside ? s + i : few, green, deep, black, white);
+            if (!inside)
+                copy(d + i, few, left);
+        }
     }
 }
 

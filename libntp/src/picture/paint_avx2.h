@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * paint_avx2.h - lit previews and heatmaps of packed RGB, with AVX2
+ * paint_avx2.h - lit previews and heatmaps of packed RGB, with AVX2; the former with AVX-512, too
  */
 #ifndef NTP_PAINT_AVX2_H
 #define NTP_PAINT_AVX2_H
@@ -14,6 +14,8 @@
 /* All colors reflect `own` of the light. */
 int32_t ntp__shade_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,
                             bool deep, const ntp__lamp *lamp, float own);
+int32_t ntp__shade_rgb_avx512(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,
+                              bool deep, const ntp__lamp *lamp, float own);
 
 /* By the reference palette. */
 int32_t ntp__heat_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,

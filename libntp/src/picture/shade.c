@@ -6,6 +6,7 @@
  * fixed order, and the build allows no fused multiply-add.  Sums of three are taken from left to
  * right.  Floats decide most levels; where they are near a boundary, doubles do.
  */
+#include "base/cpu.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
 #include "texel/unused.h"
@@ -266,6 +267,10 @@ static int32_t shade_rgb(const void *how, uint8_t *dst, uint8_t odd[NTP__BLOCK /
                          const void *src, int32_t n, bool deep)
 {
     const job *j = how;
+#  ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        return ntp__shade_rgb_avx512(dst, odd, src, n, deep, &j->lamp, (float) j->light.color[0]);
+#  endif
     return ntp__shade_rgb_avx2(dst, odd, src, n, deep, &j->lamp, (float) j->light.color[0]);
 }
 
