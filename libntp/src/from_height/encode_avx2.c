@@ -15,8 +15,8 @@
  *
  * Of integers, the sums of 3 x 3 heights are exact in floats.  Of floats, each difference of two is off
  * by u of itself.  With no difference beyond d, and taps of side and middle, D and E are off by
- * u (8 side + 3 middle) d; and by less than TINY where that stands for a smaller one, so that they are 0
- * only if all differences are.  As a vector both are off by less than 1.5 times the sum of the two.  A
+ * u (8 side + 3 middle) d; and by less than NTP__TINY where that stands for a smaller one, so that they are
+ * 0 only if all differences are.  As a vector both are off by less than 1.5 times the sum of the two.  A
  * normal changes by no more than that over its length, which is at least 1/cx.
  */
 #include "from_height/gradient.h"
@@ -25,8 +25,6 @@
 
 enum { HALF = 8, STEP = 16 /* texels */ };
 enum { UNIT_BITS = 16, UNITS = 1 << UNIT_BITS, ERROR_BITS = 5 };
-
-#define TINY 0x1p-62F
 
 typedef struct constants {
     __m256 half, square;       /* M/2 in units with the sign of cx; the square of 1/cx */
@@ -143,12 +141,12 @@ static void prepare_integers(planes *p, const float *const rows[3], int32_t n, c
     }
 }
 
-/* A sum that is 0 only where `any`, bits of all that it is made of, is: what cancels out becomes TINY, or
- * `any` where that is less.  The square of TINY is in the normal range, for processors take long below. */
+/* A sum that is 0 only where `any`, bits of all that it is made of, is: what cancels out becomes NTP__TINY, or
+ * `any` where that is less.  The square of NTP__TINY is in the normal range, for processors take long below. */
 static inline __m256 marked(__m256 sum, __m256 any)
 {
     const __m256i least =
-        _mm256_min_epu32(_mm256_castps_si256(any), _mm256_castps_si256(_mm256_set1_ps(TINY)));
+        _mm256_min_epu32(_mm256_castps_si256(any), _mm256_castps_si256(_mm256_set1_ps(NTP__TINY)));
     return _mm256_castsi256_ps(_mm256_max_epu32(_mm256_castps_si256(sum), least));
 }
 
@@ -170,19 +168,6 @@ static void prepare_floats(planes *p, const float *const rows[3], int32_t n, con
     }
 }
 
-/* Widens errors by what floats make of sums; false: too much would be in doubt. */
-static bool allow_floats(constants *c, const ntp__encode *e)
-{
-    static const double most = UNITS / 8.0;
-    const double taps = (double) (8 * e->side + 3 * e->middle), cx = e->cx < 0 ? -e->cx : e->cx;
-    const double more = 1.5 * (taps * e->spread * 0x1p-24 + (double) TINY) * cx * e->half * UNITS;
-    if (!(more < most))
-        return false;
-    c->off = _mm256_add_epi16(c->off, _mm256_set1_epi16((short) (1 + (int32_t) more)));
-    c->exact = _mm256_set1_epi32(-1);
-    return true;
-}
-
 ntp__encode_packed_fn ntp__encode_avx2;
 
 int32_t ntp__encode_avx2(uint8_t *d, int32_t *at, const void *const from[3], ntp__packed_from which,
@@ -193,8 +178,11 @@ int32_t ntp__encode_avx2(uint8_t *d, int32_t *at, const void *const from[3], ntp
     int32_t found = 0;
     planes p;
     if (which == NTP__FROM_FLOATS) {
-        if (!allow_floats(&c, e))
+        const int32_t more = ntp__off_of_floats(e);
+        if (more < 0)
             return -1;
+        c.off = _mm256_add_epi16(c.off, _mm256_set1_epi16((short) more));
+        c.exact = _mm256_set1_epi32(-1);
         prepare_floats(&p, rows, n, e, &c);
     } else if (which == NTP__FROM_INTEGERS) {
         prepare_integers(&p, rows, n, e, &c);
@@ -216,7 +204,7 @@ int32_t ntp__encode_avx2(uint8_t *d, int32_t *at, const void *const from[3], ntp
 
 ntp__take_heights_fn ntp__take_heights_avx2;
 
-/* The ends of the range of eight floats, and of the bits of their magnitudes. */
+/* The ends of ranges of eight numbers */
 static inline float least_of(__m256 v)
 {
     const __m128 four = _mm_min_ps(_mm256_castps256_ps128(v), _mm256_extractf128_ps(v, 1));
@@ -224,33 +212,37 @@ static inline float least_of(__m256 v)
     return _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
 }
 
-static inline int32_t least_bits(__m256i v)
+static inline uint32_t least_bits(__m256i v)
 {
-    const __m128i four = _mm_min_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
-    const __m128i two = _mm_min_epi32(four, _mm_unpackhi_epi64(four, four));
-    return _mm_cvtsi128_si32(_mm_min_epi32(two, _mm_srli_epi64(two, 32)));
+    const __m128i four = _mm_min_epu32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    const __m128i two = _mm_min_epu32(four, _mm_unpackhi_epi64(four, four));
+    return (uint32_t) _mm_cvtsi128_si32(_mm_min_epu32(two, _mm_srli_epi64(two, 32)));
 }
 
-/* Some of the last eight are taken twice. */
+/* Some of the last eight are taken twice.  Bits of magnitudes are kept less 1: those of 0 are the most of
+ * all without a sign, and the least with one. */
 static inline void take_floats(float *to, const float *s, int32_t n, ntp__magnitudes *m)
 {
     const __m256i ones = _mm256_set1_epi32(-1), sign = _mm256_set1_epi32(INT32_MAX);
-    __m256i least = _mm256_set1_epi32(m->least), most = _mm256_set1_epi32(~m->most);
-    __m256 low = _mm256_set1_ps(m->low), high = _mm256_set1_ps(-m->high);
+    __m256i least = sign, most = ones;
+    __m256 low = _mm256_set1_ps(m->low), high = _mm256_set1_ps(m->high);
     for (int32_t k = 0; k < n; k += HALF) {
         const int32_t i = k < n - HALF ? k : n - HALF;
-        const __m256 v = _mm256_loadu_ps(s + i), minus = _mm256_xor_ps(v, _mm256_set1_ps(-0.0F));
-        const __m256i size = _mm256_and_si256(_mm256_castps_si256(v), sign);
-        least = _mm256_min_epi32(least, _mm256_and_si256(_mm256_add_epi32(size, ones), sign));
-        most = _mm256_min_epi32(most, _mm256_xor_si256(size, ones));
+        const __m256 v = _mm256_loadu_ps(s + i);
+        const __m256i below =
+            _mm256_add_epi32(_mm256_and_si256(_mm256_castps_si256(v), sign), ones);
+        least = _mm256_min_epu32(least, below);
+        most = _mm256_max_epi32(most, below);
         low = _mm256_min_ps(low, v);
-        high = _mm256_min_ps(high, minus);
+        high = _mm256_max_ps(high, v);
         _mm256_storeu_ps(to + i, v);
     }
-    m->least = least_bits(least);
-    m->most = ~least_bits(most);
+    const int32_t first = (int32_t) least_bits(least);
+    const int32_t last = (int32_t) (0x80000000 - least_bits(_mm256_sub_epi32(sign, most)));
+    m->least = first < m->least ? first : m->least;
+    m->most = last > m->most ? last : m->most;
     m->low = least_of(low);
-    m->high = -least_of(high);
+    m->high = -least_of(_mm256_xor_ps(high, _mm256_set1_ps(-0.0F)));
 }
 
 void ntp__take_heights_avx2(float *to, const void *s, ntp_type type, int32_t n, ntp__magnitudes *m)

@@ -35,7 +35,7 @@ enum {
      * rows also reads more of them again: twice the radius of the kernel for each band. */
     BAND = 32,
     LINE = 64,         /* of a processor's cache */
-    BAND_OF_RADIUS = 4 /* without dithering: so many for each 1 of the radius */
+    BAND_OF_RADIUS = 8 /* without dithering: so many for each 1 of the radius */
 };
 
 /* How a call is carried out. */
@@ -51,7 +51,8 @@ typedef struct walk {
     double greatest; /* bound of the tap sums for heights of magnitude 1 */
     ntp__encode encode;
     ntp_normals_counts counts;
-    int32_t first;               /* first row of the area */
+    int32_t first; /* first row of the area */
+    ntp__encode_packed_fn *encode_rows;
     ntp__wave_memory *wave;      /* dithering: of the scratch */
     ntp__dither_waves_fn *waves; /* dithering: of two waves; NULL: of one */
     double *errors;              /* dithering: carried down, one for each column; NULL: none */
@@ -109,6 +110,9 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
     ntp__gradient *g = &w->g;
     memset(w, 0, sizeof *w);
     NTP__TRY(ntp__gradient_plan(g, dst, src, how));
+    w->encode_rows = ntp__encode_rows_for(NTP__CPU_ALL);
+    if (w->encode_rows == NULL)
+        w->encode_rows = g->loops->encode_packed;
     w->ints = ntp__heights_are_int(g);
     w->floats = src->type == NTP_TYPE_F32;
     w->blue = g->derived || dst->encoding != NTP_ENCODING_XY;

@@ -7,7 +7,8 @@
  *   gradient.c          ntp_normals_from_height, ntp_normals_dithered: walks over the area
  *   height_rows.c       makes rows of heights, extended beyond the borders
  *   gradient_kernels.c  the loops, with tap_sums_tmpl.h and encode_tmpl.h
- *   encode_avx2.c       the latter for packed RGB, with AVX2, also straight from 3 x 3 heights;
+ *   encode_avx2.c       the latter for packed RGB, with AVX2, also straight from 3 x 3 heights,
+ *                       as encode_avx512.c does with AVX-512;
  *                       packed_tmpl.h is a part of gradient.c for it
  *   exact.c             rounds exactly the texels that the loops are in doubt about
  *   dither_tmpl.h       a part of them: rounds so that errors do not add up;
@@ -203,6 +204,22 @@ typedef enum ntp__packed_from {
 typedef int32_t ntp__encode_packed_fn(uint8_t *d, int32_t *at, const void *const from[3],
                                       ntp__packed_from which, int32_t n, const ntp__encode *e,
                                       bool deep);
+
+/* The same from rows of heights alone, with AVX-512; NULL without. */
+ntp__encode_packed_fn *ntp__encode_rows_for(int mask);
+
+/* What of the slopes of floats stands for smaller ones. */
+#define NTP__TINY 0x1p-62F
+
+/* What floats of heights add to errors, in units of 2^-16 levels; negative: too much would be in doubt. */
+static inline int32_t ntp__off_of_floats(const ntp__encode *e)
+{
+    static const double units = 1 << 16, most = 1 << 13;
+    const double taps = (double) (8 * e->side + 3 * e->middle), cx = e->cx < 0 ? -e->cx : e->cx;
+    const double more =
+        1.5 * (taps * e->spread * 0x1p-24 + (double) NTP__TINY) * cx * e->half * units;
+    return more < most ? 1 + (int32_t) more : -1;
+}
 
 /*
  * A step of a wave that dithers rows: a texel of each row, one column farther left than that of the

@@ -131,9 +131,9 @@ static bool encode_rows(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
     if (!trust_packed(w, &f))
         return false;
     const void *const from[3] = { rows[0], rows[1], rows[2] };
-    const int32_t found = w->g.loops->encode_packed(ntp__at_mut(w->g.dst, x, y), at, from,
-                                                    w->ints ? NTP__FROM_INTEGERS : NTP__FROM_FLOATS,
-                                                    n, &w->encode, w->g.m > 255);
+    const int32_t found = w->encode_rows(ntp__at_mut(w->g.dst, x, y), at, from,
+                                         w->ints ? NTP__FROM_INTEGERS : NTP__FROM_FLOATS, n,
+                                         &w->encode, w->g.m > 255);
     if (found > 0) {
         sums_of_places(w, s, rows, at, found);
         settle_packed(w, s, at, found, x, y);

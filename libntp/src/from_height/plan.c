@@ -155,12 +155,23 @@ const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask)
 }
 
 extern ntp__dither_waves_fn ntp__dither_avx512;
+extern ntp__encode_packed_fn ntp__encode_avx512;
 
 ntp__dither_waves_fn *ntp__dither_waves(int mask)
 {
 #ifdef NTP_HAVE_AVX512
     if (ntp__cpu_has_avx512(mask))
         return ntp__dither_avx512;
+#endif
+    (void) mask;
+    return NULL;
+}
+
+ntp__encode_packed_fn *ntp__encode_rows_for(int mask)
+{
+#ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(mask))
+        return ntp__encode_avx512;
 #endif
     (void) mask;
     return NULL;
