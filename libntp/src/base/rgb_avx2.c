@@ -263,6 +263,14 @@ static inline void flip_part(uint8_t *d, const uint8_t *s, const __m256i *green,
         _mm256_storeu_si256((void *) (d + VECTOR * k), out[k]);
 }
 
+/* Where green lies in pixels of 8 and of 16 bit. */
+static const uint8_t GREENS[2][VECTOR + 4] = {
+    { 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0,
+      0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0 },
+    { 0, 0, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0,
+      0, 0, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0 }
+};
+
 static inline __m256i load_at(const uint8_t *s, int32_t k)
 {
     return _mm256_loadu_si256((const void *) (s + VECTOR * k));
@@ -305,12 +313,11 @@ static inline bool flip_plain(uint8_t *d, const uint8_t *s, const __m256i *green
 static inline void flip(uint8_t *d, const uint8_t *s, int32_t bytes, bool deep, __m256i black,
                         __m256i white)
 {
-    uint8_t pattern[FLIP], around[VECTOR + FLIP + VECTOR] = { 0 }, *const few = around + VECTOR;
-    __m256i green[VECTORS];
-    for (int32_t i = 0; i < FLIP; i++)
-        pattern[i] = i / (deep ? 2 : 1) % 3 == 1 ? 0xff : 0;
-    for (int32_t k = 0; k < VECTORS; k++)
-        green[k] = load_at(pattern, k);
+    uint8_t around[VECTOR + FLIP + VECTOR] = { 0 }, *const few = around + VECTOR;
+    const uint8_t *const pattern = GREENS[deep];
+    /* A vector is two samples more than whole texels, or one. */
+    const __m256i green[VECTORS] = { load_at(pattern, 0), load_at(pattern + 2, 0),
+                                     load_at(pattern + (deep ? 4 : 1), 0) };
     for (int32_t i = 0; i < bytes;) {
         while (i + FLIP <= bytes && flip_plain(d + i, s + i, green, deep))
             i += FLIP;

@@ -12,10 +12,9 @@
  * many are. */
 
 /* All colors reflect `own` of the light. */
-int32_t ntp__shade_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,
-                            bool deep, const ntp__lamp *lamp, float own);
-int32_t ntp__shade_rgb_avx512(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,
-                              bool deep, const ntp__lamp *lamp, float own);
+typedef int32_t ntp__shade_rgb(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src,
+                               int32_t n, bool deep, const ntp__lamp *lamp, float own);
+ntp__shade_rgb ntp__shade_rgb_avx2, ntp__shade_rgb_avx512;
 
 /* By the reference palette. */
 int32_t ntp__heat_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,

@@ -42,6 +42,9 @@ typedef struct job {
     ntp_light light;
     double towards[3], half[3]; /* unit vectors: to the light, and halfway to the viewer */
     ntp__lamp lamp;
+#ifdef NTP_HAVE_AVX2
+    ntp__shade_rgb *shade_rgb; /* of packed RGB; all colors reflect alike */
+#endif
 } job;
 
 static double dot(const double a[3], const double b[3])
@@ -267,11 +270,7 @@ static int32_t shade_rgb(const void *how, uint8_t *dst, uint8_t odd[NTP__BLOCK /
                          const void *src, int32_t n, bool deep)
 {
     const job *j = how;
-#  ifdef NTP_HAVE_AVX512
-    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
-        return ntp__shade_rgb_avx512(dst, odd, src, n, deep, &j->lamp, (float) j->light.color[0]);
-#  endif
-    return ntp__shade_rgb_avx2(dst, odd, src, n, deep, &j->lamp, (float) j->light.color[0]);
+    return j->shade_rgb(dst, odd, src, n, deep, &j->lamp, (float) j->light.color[0]);
 }
 
 static void shade_odd(const void *how, ntp__block *out, const ntp__odd_texels *odd)
@@ -282,14 +281,19 @@ static void shade_odd(const void *how, ntp__block *out, const ntp__odd_texels *o
         check(out, &odd->block, i, ntp__max(j->src->type), odd->x[i], odd->y[i]);
 }
 
-static bool shade_packed(const job *j, const ntp_rect *rect)
+static bool shade_packed(job *j, const ntp_rect *rect)
 {
+    j->shade_rgb = ntp__shade_rgb_avx2;
+#  ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        j->shade_rgb = ntp__shade_rgb_avx512;
+#  endif
     const double *light = j->light.color;
     const ntp__painter painter = { j->dst, j->src, j, shade_rgb, shade_odd };
     return light[0] == light[1] && light[1] == light[2] && ntp__paint_packed(&painter, rect);
 }
 #else
-static bool shade_packed(const job *j, const ntp_rect *rect)
+static bool shade_packed(job *j, const ntp_rect *rect)
 {
     (void) j, (void) rect;
     return false;
