@@ -331,6 +331,12 @@ static void convert_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_conve
     }
 }
 
+/* Does each row begin where the one above it ends?  Then some are as good as one. */
+static bool is_one_run(const ntp_const_image *v)
+{
+    return v->ring_rows == 0 && v->row_stride == v->width * v->pixel_stride;
+}
+
 ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
                        const ntp_convert_options *how, ntp_convert_counts *counts,
                        const ntp_rect *area)
@@ -364,9 +370,14 @@ ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
     ntp__convert_fn *fast = ntp__fast_conversion(&j, &most);
     ntp__convert_fn *convert = fast != NULL ? fast : convert_run;
     ntp_convert_counts local = { 0, 0, 0 };
-    for (int32_t y = rect.y0; y < rect.y1; y++) {
-        for (int32_t x = rect.x0; x < rect.x1; x += most) {
-            int32_t n = rect.x1 - x < most ? rect.x1 - x : most;
+    const int32_t width = rect.x1 - rect.x0;
+    const bool joined =
+        most == NTP_MAX_SIDE && width == src->width && is_one_run(src) && is_one_run(&target);
+    const int32_t rows = joined ? NTP_MAX_SIDE / width : 1;
+    for (int32_t y = rect.y0; y < rect.y1; y += rows) {
+        const int32_t end = rect.x0 + width * (rect.y1 - y < rows ? rect.y1 - y : rows);
+        for (int32_t x = rect.x0; x < end; x += most) {
+            int32_t n = end - x < most ? end - x : most;
             convert(&j, x, y, n, &local);
         }
     }
