@@ -24,6 +24,7 @@
  */
 #include "reshape/mix_avx2.h"
 
+#include "base/cpu.h"
 #include "texel/level.h"
 #include "texel/packed_avx2_tmpl.h"
 
@@ -38,16 +39,11 @@ typedef struct constants {
     float less, least2, least_z; /* what x or y may be off by; the least square of a length; z */
 } constants;
 
-/* Numerators over M of a block, with room for what is done beyond it. */
-typedef struct vectors {
-    float c[3][NTP__BLOCK + STEP];
-} vectors;
-
 /* What a block becomes: vectors of any length; pairs of levels of x, y less that of 0; negative where a
  * texel is left to the caller.  Each loop does one thing: while a processor waits for a root it does
  * others. */
 typedef struct planes {
-    vectors base, detail, v;
+    ntp__mix_planes base, detail, v;
     int32_t pair[NTP__BLOCK], left[NTP__BLOCK + STEP];
 } planes;
 
@@ -76,7 +72,7 @@ static inline void put_numerators(float *to, __m256i level, __m256i m)
 
 /* Reads n texels of a row to place `at` of a block, and asks for those that follow.  Marks those of which
  * red and green are those of black or of white. */
-static void take(vectors *to, int32_t *left, int32_t at, const uint8_t *s, int32_t n,
+static void take(ntp__mix_planes to, int32_t *left, int32_t at, const uint8_t *s, int32_t n,
                  const constants *c)
 {
     enum { READ = 10 /* texels at most, for eight */, FEW = 64 /* bytes */ };
@@ -94,9 +90,9 @@ static void take(vectors *to, int32_t *left, int32_t at, const uint8_t *s, int32
         const texels t = c->deep ? take16(from) : take8(from);
         const __m256i mark = _mm256_or_si256(_mm256_cmpeq_epi32(t.rg, _mm256_setzero_si256()),
                                              _mm256_cmpeq_epi32(t.rg, white));
-        put_numerators(to->c[0] + at + i, _mm256_and_si256(t.rg, _mm256_set1_epi32(65535)), m);
-        put_numerators(to->c[1] + at + i, _mm256_srli_epi32(t.rg, 16), m);
-        put_numerators(to->c[2] + at + i, t.b, m);
+        put_numerators(to[0] + at + i, _mm256_and_si256(t.rg, _mm256_set1_epi32(65535)), m);
+        put_numerators(to[1] + at + i, _mm256_srli_epi32(t.rg, 16), m);
+        put_numerators(to[2] + at + i, t.b, m);
         store_ints(left + at + i, _mm256_or_si256(load_ints(left + at + i), mark));
     }
 }
@@ -109,19 +105,13 @@ static void boost(planes *p, int32_t n, const ntp__mixing *j)
     const __m256 over = _mm256_set1_ps((float) (1 / j->strength));
     const __m256 mirror_x = _mm256_set1_ps(j->mirror_x ? -0.0F : 0.0F);
     const __m256 mirror_y = _mm256_set1_ps(j->mirror_y ? -0.0F : 0.0F);
-    const float *const x = p->base.c[j->swap], *const y = p->base.c[!j->swap];
+    const float *const x = p->base[j->swap], *const y = p->base[!j->swap];
     for (int32_t i = 0; i < n; i += HALF) {
-        _mm256_storeu_ps(p->v.c[0] + i, _mm256_xor_ps(_mm256_loadu_ps(x + i), mirror_x));
-        _mm256_storeu_ps(p->v.c[1] + i, _mm256_xor_ps(_mm256_loadu_ps(y + i), mirror_y));
-        _mm256_storeu_ps(p->v.c[2] + i, _mm256_mul_ps(_mm256_loadu_ps(p->base.c[2] + i), over));
+        _mm256_storeu_ps(p->v[0] + i, _mm256_xor_ps(_mm256_loadu_ps(x + i), mirror_x));
+        _mm256_storeu_ps(p->v[1] + i, _mm256_xor_ps(_mm256_loadu_ps(y + i), mirror_y));
+        _mm256_storeu_ps(p->v[2] + i, _mm256_mul_ps(_mm256_loadu_ps(p->base[2] + i), over));
     }
 }
-
-/* What a blend is made with, as in blend_kernels.h. */
-typedef struct terms {
-    double strength, turn, m, base_z, detail_z, product;
-    bool reoriented, in_float;
-} terms;
 
 #define NUMBER       __m256d
 #define ELEMENT      double
@@ -139,23 +129,29 @@ typedef struct terms {
 #define STORE(to, v) _mm256_storeu_ps(to, v)
 #include "reshape/mixed_tmpl.h"
 
-static void blend(planes *p, int32_t n, const terms *how, const constants *c)
+static void mix_doubles(ntp__mix_planes v, ntp__mix_planes base, ntp__mix_planes detail, int32_t n,
+                        const ntp__mix_terms *t)
+{
+    mixed_doubles(v, NULL, base, detail, n, t);
+}
+
+static void blend(planes *p, int32_t n, const ntp__mix_terms *how, const constants *c)
 {
     const __m256 least_z = _mm256_set1_ps(c->least_z), most = _mm256_set1_ps(MOST_PRODUCT);
     float product[NTP__BLOCK];
     if (how->in_float)
-        mixed_floats(p->v.c, product, p->base.c, p->detail.c, n, how);
+        mixed_floats(p->v, product, p->base, p->detail, n, how);
     else
-        mixed_doubles(p->v.c, product, p->base.c, p->detail.c, n, how);
+        how->doubles(p->v, p->base, p->detail, n, how);
     for (int32_t i = 0; i < n; i += HALF) {
         /* A steep detail, reoriented on a steep base, can point below the horizon.  -0 does not. */
-        const __m256 z = _mm256_add_ps(_mm256_loadu_ps(p->v.c[2] + i), _mm256_setzero_ps());
+        const __m256 z = _mm256_add_ps(_mm256_loadu_ps(p->v[2] + i), _mm256_setzero_ps());
         const __m256 either =
-            _mm256_or_ps(_mm256_loadu_ps(p->base.c[2] + i), _mm256_loadu_ps(p->detail.c[2] + i));
+            _mm256_or_ps(_mm256_loadu_ps(p->base[2] + i), _mm256_loadu_ps(p->detail[2] + i));
         const __m256i below =
             _mm256_srai_epi32(_mm256_castps_si256(_mm256_andnot_ps(either, z)), 31);
         const __m256 unsure = _mm256_cmp_ps(absolute(z), least_z, _CMP_LT_OQ);
-        _mm256_storeu_ps(p->v.c[2] + i, _mm256_andnot_ps(_mm256_castsi256_ps(below), z));
+        _mm256_storeu_ps(p->v[2] + i, _mm256_andnot_ps(_mm256_castsi256_ps(below), z));
         __m256i left = _mm256_or_si256(load_ints(p->left + i), _mm256_castps_si256(unsure));
         if (how->in_float)
             left = _mm256_or_si256(
@@ -187,8 +183,8 @@ static void round_pairs(planes *p, int32_t n, const constants *c)
     const __m256 half = _mm256_set1_ps(0.5F * (float) c->m), less = _mm256_set1_ps(c->less);
     const __m256 least2 = _mm256_set1_ps(c->least2);
     for (int32_t i = 0; i < n; i += HALF) {
-        const __m256 x = _mm256_loadu_ps(p->v.c[0] + i), y = _mm256_loadu_ps(p->v.c[1] + i);
-        const __m256 z = _mm256_loadu_ps(p->v.c[2] + i);
+        const __m256 x = _mm256_loadu_ps(p->v[0] + i), y = _mm256_loadu_ps(p->v[1] + i);
+        const __m256 z = _mm256_loadu_ps(p->v[2] + i);
         const __m256 square = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y)),
                                             _mm256_mul_ps(z, z));
         const __m256 factor = _mm256_div_ps(half, _mm256_sqrt_ps(square));
@@ -210,7 +206,7 @@ static inline __attribute__((always_inline)) texels finished(const planes *p, in
     const __m256i zero = _mm256_set1_epi32((c->m + 1) / 2);
     const __m256i e =
         _mm256_sub_epi32(_mm256_set1_epi32(c->deep ? REST_16 : REST_8), sum_of_pair(pair));
-    const __m256i z = _mm256_castps_si256(_mm256_loadu_ps(p->v.c[2] + i));
+    const __m256i z = _mm256_castps_si256(_mm256_loadu_ps(p->v[2] + i));
     const __m256i down = _mm256_srai_epi32(z, 31);
     const texels t = { _mm256_add_epi16(pair, _mm256_or_si256(zero, _mm256_slli_epi32(zero, 16))),
                        _mm256_xor_si256(
@@ -237,20 +233,29 @@ static int32_t put_levels(uint8_t *d, int32_t *at, planes *p, int32_t n, const c
 /* --------------------------------------------------------------------------------------- rows */
 
 /* What blending needs to know of the error of vectors. */
-static terms terms_of(constants *c, const ntp__mixing *j)
+static ntp__mix_terms terms_of(constants *c, const ntp__mixing *j)
 {
     const ntp__mixture *h = j->how;
     const double m = c->m, s = fabs(h->strength) < 1 ? 1 : fabs(h->strength);
     /* No component is more than M, and t.z is at most twice that: `size` in blend_kernels.c. */
     const double size = j->reoriented ? 96 * m * m * m * s : 9 * m * m * s;
-    const terms t = {
-        h->strength,         h->turn, m, h->base_z * m, h->detail_z * m, h->product, j->reoriented,
-        j->exact && !c->deep
-    };
+    ntp__mix_terms t = { h->strength,
+                         h->turn,
+                         m,
+                         h->base_z * m,
+                         h->detail_z * m,
+                         h->product,
+                         j->reoriented,
+                         j->exact && !c->deep,
+                         mix_doubles };
     /* Whole numbers are exact, so only a length of 0 is in doubt. */
     c->less = j->exact ? 0 : 0x1p-16F;
     c->least2 = j->exact ? 0.5F : (float) (size * size * 0x1p-32);
     c->least_z = j->exact ? 0 : (float) (size * 0x1p-48);
+#ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        t.doubles = ntp__mix_doubles_avx512;
+#endif
     return t;
 }
 
@@ -278,10 +283,10 @@ static void settle(const ntp__mixing *j, waiting *w, void *row, bool deep)
     w->n = 0;
 }
 
-static void take_texel(ntp__block *b, int32_t i, const vectors *v, int32_t at, const constants *c)
+static void take_texel(ntp__block *b, int32_t i, ntp__mix_planes v, int32_t at, const constants *c)
 {
     for (int32_t k = 0; k < 3; k++)
-        b->c[k][i] = ntp__level((int32_t) v->c[k][at], c->m);
+        b->c[k][i] = ntp__level((int32_t) v[k][at], c->m);
     b->c[3][i] = c->m;
 }
 
@@ -291,18 +296,18 @@ static void take_block(planes *p, const ntp__mixing *j, int32_t x, int32_t y, in
 {
     const ntp_const_image *d = j->detail;
     memset(p->left, 0, sizeof p->left);
-    take(&p->base, p->left, 0, ntp__at(j->base, x, y), n, c);
+    take(p->base, p->left, 0, ntp__at(j->base, x, y), n, c);
     for (int32_t done = 0, some; d != NULL && done < n; done += some) {
         const int32_t column = (x + done) % d->width, beside = d->width - column;
         some = beside < n - done ? beside : n - done;
-        take(&p->detail, p->left, done, ntp__at(d, column, y % d->height), some, c);
+        take(p->detail, p->left, done, ntp__at(d, column, y % d->height), some, c);
     }
 }
 
 void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y)
 {
     constants c = { .m = ntp__max(j->dst->type), .deep = j->dst->type == NTP_TYPE_U16 };
-    const terms t = j->detail != NULL ? terms_of(&c, j) : (terms) { .m = 0 };
+    const ntp__mix_terms t = j->detail != NULL ? terms_of(&c, j) : (ntp__mix_terms) { .m = 0 };
     uint8_t *row = ntp__at_mut(j->dst, x0, y);
     waiting w;
     w.n = 0;
@@ -320,9 +325,9 @@ void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y)
             settle(j, &w, row, c.deep);
         for (int32_t i = 0; i < found; i++, w.n++) {
             w.at[w.n] = x - x0 + at[i];
-            take_texel(&w.base, w.n, &p.base, at[i], &c);
+            take_texel(&w.base, w.n, p.base, at[i], &c);
             if (j->detail != NULL)
-                take_texel(&w.detail, w.n, &p.detail, at[i], &c);
+                take_texel(&w.detail, w.n, p.detail, at[i], &c);
         }
     }
     settle(j, &w, row, c.deep);

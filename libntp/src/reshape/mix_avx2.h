@@ -37,4 +37,22 @@ static inline bool ntp__can_mix(const ntp_const_image *v)
 /* Makes row y from column x0 up to x1. */
 void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y);
 
+/* Numerators over M of a block, with room for what is done beyond it. */
+typedef float ntp__mix_planes[3][NTP__BLOCK + 16];
+
+typedef struct ntp__mix_terms ntp__mix_terms;
+
+/* n vectors of base and detail, blended in double. */
+typedef void ntp__mix_doubles_fn(ntp__mix_planes v, ntp__mix_planes base, ntp__mix_planes detail,
+                                 int32_t n, const ntp__mix_terms *t);
+
+/* What a blend is made with, as in blend_kernels.h. */
+struct ntp__mix_terms {
+    double strength, turn, m, base_z, detail_z, product;
+    bool reoriented, in_float;
+    ntp__mix_doubles_fn *doubles; /* unless in_float */
+};
+
+ntp__mix_doubles_fn ntp__mix_doubles_avx512;
+
 #endif

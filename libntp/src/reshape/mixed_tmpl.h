@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * mixed_tmpl.h - a part of mix_avx2.c: blends vectors, in registers of NUMBER
+ * mixed_tmpl.h - a part of mix_avx2.c and mix_avx512.c: blends vectors, in registers of NUMBER
  *
- * The formulas are those of blend.c; M of both textures is the same.  product: t.u, else 0.
+ * The formulas are those of blend.c; M of both textures is the same.  product: t.u, else 0; or NULL.
  */
-static void MIXED(float v[3][NTP__BLOCK + STEP], float *product, float base[3][NTP__BLOCK + STEP],
-                  float detail[3][NTP__BLOCK + STEP], int32_t n, const terms *t)
+static inline void MIXED(ntp__mix_planes v, float *product, ntp__mix_planes base,
+                         ntp__mix_planes detail, int32_t n, const ntp__mix_terms *t)
 {
     const NUMBER m = OP(set1)(t->m), strength = OP(set1)(t->strength), turn = OP(set1)(t->turn);
     for (int32_t i = 0; i < n; i += (int32_t) (sizeof(NUMBER) / sizeof(ELEMENT))) {
@@ -29,7 +29,8 @@ static void MIXED(float v[3][NTP__BLOCK + STEP], float *product, float base[3][N
         STORE(v[0] + i, x);
         STORE(v[1] + i, y);
         STORE(v[2] + i, z);
-        STORE(product + i, dot);
+        if (product != NULL)
+            STORE(product + i, dot);
     }
 }
 
