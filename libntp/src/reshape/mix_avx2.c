@@ -36,7 +36,9 @@ enum { HALF = 8, STEP = 16 /* texels */, MOST_PRODUCT = 1 << 17 };
 typedef struct constants {
     bool deep;
     int32_t m;
-    float less, least2, least_z; /* what x or y may be off by; the least square of a length; z */
+    float least_z; /* the least z that is sure */
+    ntp__mix_rounding rounding;
+    bool avx512;
 } constants;
 
 /* What a block becomes: vectors of any length; pairs of levels of x, y less that of 0; negative where a
@@ -180,8 +182,9 @@ static inline __m256i floor_of(__m256 s)
 
 static void round_pairs(planes *p, int32_t n, const constants *c)
 {
-    const __m256 half = _mm256_set1_ps(0.5F * (float) c->m), less = _mm256_set1_ps(c->less);
-    const __m256 least2 = _mm256_set1_ps(c->least2);
+    const ntp__mix_rounding r = c->rounding;
+    const __m256 half = _mm256_set1_ps(r.half), less = _mm256_set1_ps(r.less);
+    const __m256 least2 = _mm256_set1_ps(r.least2);
     for (int32_t i = 0; i < n; i += HALF) {
         const __m256 x = _mm256_loadu_ps(p->v[0] + i), y = _mm256_loadu_ps(p->v[1] + i);
         const __m256 z = _mm256_loadu_ps(p->v[2] + i);
@@ -220,7 +223,13 @@ static inline __attribute__((always_inline)) texels finished(const planes *p, in
 static int32_t put_levels(uint8_t *d, int32_t *at, planes *p, int32_t n, const constants *c)
 {
     int32_t found = 0;
-    round_pairs(p, (n + STEP - 1) / STEP * STEP, c);
+    const int32_t whole = (n + STEP - 1) / STEP * STEP;
+#ifdef NTP_HAVE_AVX512
+    if (c->avx512)
+        ntp__round_pairs_avx512(p->pair, p->left, p->v, whole, &c->rounding);
+#endif
+    if (!c->avx512)
+        round_pairs(p, whole, c);
     for (int32_t i = 0; i < n; i += STEP) {
         uint32_t bits[2];
         const texels t[2] = { finished(p, i, c, &bits[0]), finished(p, i + HALF, c, &bits[1]) };
@@ -249,11 +258,11 @@ static ntp__mix_terms terms_of(constants *c, const ntp__mixing *j)
                          j->exact && !c->deep,
                          mix_doubles };
     /* Whole numbers are exact, so only a length of 0 is in doubt. */
-    c->less = j->exact ? 0 : 0x1p-16F;
-    c->least2 = j->exact ? 0.5F : (float) (size * size * 0x1p-32);
+    c->rounding.less = j->exact ? 0 : 0x1p-16F;
+    c->rounding.least2 = j->exact ? 0.5F : (float) (size * size * 0x1p-32);
     c->least_z = j->exact ? 0 : (float) (size * 0x1p-48);
 #ifdef NTP_HAVE_AVX512
-    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+    if (c->avx512)
         t.doubles = ntp__mix_doubles_avx512;
 #endif
     return t;
@@ -306,7 +315,11 @@ static void take_block(planes *p, const ntp__mixing *j, int32_t x, int32_t y, in
 
 void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y)
 {
-    constants c = { .m = ntp__max(j->dst->type), .deep = j->dst->type == NTP_TYPE_U16 };
+    const int32_t m = ntp__max(j->dst->type);
+    constants c = { .m = m,
+                    .deep = j->dst->type == NTP_TYPE_U16,
+                    .rounding.half = 0.5F * (float) m,
+                    .avx512 = ntp__cpu_has_avx512(NTP__CPU_ALL) };
     const ntp__mix_terms t = j->detail != NULL ? terms_of(&c, j) : (ntp__mix_terms) { .m = 0 };
     uint8_t *row = ntp__at_mut(j->dst, x0, y);
     waiting w;

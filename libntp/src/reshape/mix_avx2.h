@@ -55,4 +55,14 @@ struct ntp__mix_terms {
 
 ntp__mix_doubles_fn ntp__mix_doubles_avx512;
 
+/* What vectors become, where floats decide their levels. */
+typedef struct ntp__mix_rounding {
+    float half, less, least2; /* M/2; what x or y may be off by; the least square of a length */
+} ntp__mix_rounding;
+
+/* Pairs of levels of x, y less that of 0, of n vectors, a multiple of 16; marks those in doubt. */
+typedef void ntp__round_pairs_fn(int32_t *pair, int32_t *left, ntp__mix_planes v, int32_t n,
+                                 const ntp__mix_rounding *how);
+ntp__round_pairs_fn ntp__round_pairs_avx512;
+
 #endif
