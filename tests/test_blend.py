@@ -49,6 +49,17 @@ def test_against_fractions(m, mode):
             assert np.array_equal(got, want), (e1, e2, ys, strength, touch)
 
 
+@pytest.mark.parametrize("m", TYPES)
+def test_vectors_that_cancel_each_other(m):
+    """Of packed pixels, as many as loops take at once: nothing is left, or hardly anything."""
+    base = noise((2, 40, 3), m, 6)
+    for off, strength in itertools.product((0, 1), (1.0, 1 + 2.0**-30)):
+        detail = (m - base.astype(int) ^ off).astype(base.dtype)
+        got = blend(base, detail, LINEAR, strength)
+        want = blend_by_model(base, detail, LINEAR, strength, (0, 0), (0, 0), (m, m), 0)
+        assert np.array_equal(got, want), (off, strength)
+
+
 @pytest.mark.parametrize("mode", [RNM, WHITEOUT, UDN, LINEAR])
 def test_alpha_fades_the_detail(mode):
     for m, m2, e2, strength in (

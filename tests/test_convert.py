@@ -148,6 +148,43 @@ def test_flip_twice_is_the_identity():
             assert np.array_equal(once[0, :, [0, 2]], src[0, :, [0, 2]])
 
 
+@pytest.mark.parametrize("to", ["flip", "zzero", "other depth", "vectors"])
+@pytest.mark.parametrize("dtype", DEPTHS.values())
+def test_rows_one_behind_the_other_are_like_others(dtype, to):
+    """Of more texels than are converted at once; parts, rows with a gap between them, and rings."""
+    h, w = 1000, 131
+    m = np.iinfo(dtype).max
+    src = random_texels(m, h * w // 3 + 1, seed=9)[: h * w].astype(dtype)
+    src = src.reshape(h, w, 3)
+    other = {"vectors": np.float32, "other depth": np.uint16 if m == 255 else np.uint8}
+    into = other.get(to, dtype)
+    encoding = {"zzero": ntp.ZZERO, "vectors": ntp.VECTOR}.get(to, ntp.STANDARD)
+    y = ntp.DOWN if to == "flip" else ntp.UP
+
+    def made(part, dst, area=None):
+        ntp.convert(part, dst, ntp.STANDARD, encoding, ntp.UP, y, area=area)
+        return dst
+
+    want = np.stack([made(row[None], np.zeros((1, w, 3), into))[0] for row in src])
+    assert np.array_equal(made(src, np.zeros((h, w, 3), into)), want)
+    wide = np.zeros((h, w + 3, 3), dtype)
+    wide[:, :w] = src
+    assert np.array_equal(made(wide[:, :w], np.zeros((h, w, 3), into)), want)
+    gaps = np.full((h, w + 3, 3), 7, into)
+    made(src, gaps[:, :w])
+    assert np.array_equal(gaps[:, :w], want) and np.all(gaps[:, w:] == 7)
+    for x0, y0, x1, y1 in ((0, 3, w, 900), (5, 0, w, h), (0, 1, w - 1, 700)):
+        dst = made(src, np.full((h, w, 3), 7, into), (x0, y0, x1, y1))
+        assert np.array_equal(dst[y0:y1, x0:x1], want[y0:y1, x0:x1])
+        dst[y0:y1, x0:x1] = 7
+        assert np.all(dst == 7), (x0, y0, x1, y1)
+    ring = np.zeros((4, w, 3), into)
+    view = ntp.view(ring, encoding, y, ring_rows=4, height=h)
+    from_view, area = ntp.view(src, const=True), ntp.rect((0, 6, w, 9))
+    ntp.check(ntp.lib.ntp_convert(view, from_view, ntp.ffi.NULL, ntp.ffi.NULL, area))
+    assert np.array_equal(ring[[2, 3, 0]], want[6:9])
+
+
 @pytest.mark.parametrize("dtype", DEPTHS.values())
 def test_flips_leave_unused_texels_alone_wherever_they_lie(dtype):
     """Loops of many texels a step: every width, also in place; levels that are nearly unused."""
