@@ -15,11 +15,9 @@
 #include <math.h>
 #include <string.h>
 
-enum { ROW = 4096, ROWS = 4096, ROWS_16 = 200, WIDEST = 100, SKIPPED = 77 };
+enum { ROW = 4096, ROWS = 4096, ROWS_16 = 200, WIDEST = 100, SETS = 3, SKIPPED = 77 };
 
 /* Allows no instructions but the base ones, AVX2 too, or also AVX-512. */
-enum { SETS = 3 };
-
 static void allow(int set)
 {
     allowed = set > 0;
