@@ -2,13 +2,15 @@
 /*
  * test_cells.c - packed colors of 8 bit are counted in their cells
  *
- * All colors but black and white, 16 in a row that differ in blue, then 16 of one color; their cells
- * are worked out here without tables.  Runs between guard pages, with a black, white or translucent
- * texel at any place, end at its group.  Counts that are too great for a byte are carried.
+ * All colors, 16 in a row that differ in blue, then 16 of one color; their cells are worked out here
+ * without tables.  Runs between guard pages, with black, white and translucent texels at any place, leave
+ * those out of the cells that are unused, and end at the group of an unused one of alpha 0.  Counts that
+ * are too great for a byte are carried.
  *
  * Of all colors those with the derived blue are counted by their rows, and the others left, also in small
  * blocks of few kinds of colors.  With AVX-512 these have their sums and extremes.  A tally of many texels at
- * once has the sums of one that was made of narrow columns, which looks them up.
+ * once has the sums of one that was made of narrow columns, which looks them up.  A gray picture has those of
+ * one whose texels do not lie side by side.
  */
 #include "guarded.h"
 #include "libntp.h"
@@ -19,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEP = NTP__KERNEL_STEP, SKIPPED = 77, WIDEST = 100 };
+enum { STEP = NTP__KERNEL_STEP, SKIPPED = 77, WIDEST = 100, MANY = 3000 };
 
 static ntp__cell_counts cells;
 static uint32_t want[NTP__CELLS];
@@ -62,28 +64,30 @@ static void check_counts(void)
         CHECK(cells.near[i] == 0);
 }
 
+static uint32_t alpha[4][256];
+
 static void check_colors(const ntp__kernels_table *level, int32_t channels)
 {
     uint8_t row[256 * 4], even[STEP * 4];
-    uint64_t gray = 0, grays = 0;
+    ntp__found8 found = { .used = NTP__BLACK8, .alpha = alpha };
+    uint64_t grays = 0;
     memset(&cells, 0, sizeof cells);
     memset(want, 0, sizeof want);
     for (int32_t pair = 0; pair < 65536; pair++) {
         const int32_t r = pair & 255, g = pair >> 8, first = row_of(r, g) * NTP__ROW_CELLS;
         for (int32_t b = 0; b < 256; b++) {
-            const bool end = r == g && g == b && (b == 0 || b == 255);
-            const int32_t other = end ? b ^ 1 : b;
-            put(row + channels * b, channels, r, g, other);
-            want[first + other]++;
+            put(row + channels * b, channels, r, g, b);
+            want[first + b] += (r & g & b) != 255;
         }
-        CHECK(level->count_cells(&cells, row, 256, channels, &gray) == 256);
-        const int32_t b = pair == 0 ? 1 : pair == 65535 ? 254 : pair * 7 & 255;
+        CHECK(level->count_cells(&cells, &found, row, 256, channels) == 256);
+        const int32_t b = pair * 7 & 255;
         for (int32_t i = 0; i < STEP; i++)
             put(even + channels * i, channels, r, g, b);
-        want[first + b] += STEP;
-        CHECK(level->count_cells(&cells, even, STEP, channels, &gray) == STEP);
-        grays += r == g ? (r != 0 && r != 255) + STEP * (b == r) : 0;
-        CHECK(gray == grays);
+        want[first + b] += (r & g & b) != 255 ? STEP : 0;
+        CHECK(level->count_cells(&cells, &found, even, STEP, channels) == STEP);
+        grays += r == g ? 1 + STEP * (b == r) : 0;
+        CHECK(found.gray == grays && found.black == 0 && found.in_disc == 0);
+        CHECK(found.white == (pair == 65535 ? 1 + (b == 255 ? STEP : 0) : 0));
     }
     check_counts();
 }
@@ -93,7 +97,7 @@ static void check_many(const ntp__kernels_table *level, int32_t channels)
 {
     enum { TIMES = 1000 };
     uint8_t mixed[STEP * 4], even[STEP * 4];
-    uint64_t gray = 0;
+    ntp__found8 found = { .alpha = alpha };
     memset(&cells, 0, sizeof cells);
     memset(want, 0, sizeof want);
     for (int32_t i = 0; i < STEP; i++) {
@@ -104,38 +108,69 @@ static void check_many(const ntp__kernels_table *level, int32_t channels)
     want[row_of(5, 200) * NTP__ROW_CELLS + 17] = TIMES * STEP / 2;
     want[row_of(128, 127) * NTP__ROW_CELLS + 255] = TIMES * STEP;
     for (int32_t i = 0; i < TIMES; i++) {
-        CHECK(level->count_cells(&cells, mixed, STEP, channels, &gray) == STEP);
-        CHECK(level->count_cells(&cells, even, STEP, channels, &gray) == STEP);
+        CHECK(level->count_cells(&cells, &found, mixed, STEP, channels) == STEP);
+        CHECK(level->count_cells(&cells, &found, even, STEP, channels) == STEP);
     }
     check_counts();
 }
 
-static uint64_t counted(void)
+/* What count_cells has to find, texel by texel; returns of how many texels. */
+static int32_t look(ntp__found8 *to, const uint8_t *p, int32_t n, int32_t channels)
 {
-    uint64_t sum = 0;
-    for (int32_t i = 0; i < NTP__CELLS; i++)
-        sum += cells.far[i];
-    return sum;
+    int32_t end = n;
+    for (int32_t i = 0; channels == 4 && !(to->used & NTP__CLEAR8) && i < end; i++)
+        end = p[4 * i + 3] == 0 ? i : end;
+    end = end / STEP * STEP;
+    for (int32_t i = 0; i < end; i++, p += channels) {
+        const int32_t a = channels == 4 ? p[3] : 255, x = 2 * a - 255, y = 2 * p[1] - 255;
+        const bool gray = p[0] == p[1] && p[1] == p[2];
+        const bool black = gray && p[0] == 0 && !(to->used & NTP__BLACK8);
+        const bool white = gray && p[0] == 255 && !(to->used & NTP__WHITE8);
+        to->gray += gray;
+        to->black += black;
+        to->white += white;
+        if (channels == 4)
+            to->alpha[0][a]++;
+        if (black || white)
+            continue;
+        to->in_disc += a != 255 && x * x + y * y <= 255 * 255;
+        want[row_of(p[0], p[1]) * NTP__ROW_CELLS + p[2]]++;
+    }
+    return end;
 }
 
-static void check_ends(const ntp__kernels_table *level, int32_t n, int32_t channels, uint64_t *seed)
+static void fill_mixed(uint8_t *p, int32_t n, int32_t channels, uint64_t *seed)
 {
-    guarded src = guarded_alloc((size_t) n * (size_t) channels, random_bits(seed) & 1);
-    uint64_t gray = 0;
-    uint8_t *p = src.data;
-    for (int32_t i = 0; i < n; i++) {
-        const int32_t r = (int32_t) random_level(seed, 255);
-        put(p + channels * i, channels, r, r ^ (1 << random_bits(seed) % 8), r);
+    for (int32_t i = 0; i < n; i++, p += channels) {
+        const uint32_t kind = random_bits(seed) % 8;
+        const int32_t r = (int32_t) random_level(seed, 255), g = (int32_t) random_level(seed, 255);
+        put(p, channels, r, kind % 2 == 0 ? r : g, r);
+        if (kind < 4)
+            memset(p, kind == 0 ? 255 : 0, kind < 2 ? 3 : 2);
+        if (channels == 4 && random_bits(seed) % 2 == 0)
+            p[3] = (uint8_t) (random_level(seed, 255) | (random_bits(seed) % 16 != 0));
     }
-    const int32_t at = (int32_t) (random_bits(seed) % (uint32_t) (2 * n));
-    if (at < n && channels == 4 && random_bits(seed) & 1)
-        p[4 * at + 3] = (uint8_t) (255 ^ 1 << random_bits(seed) % 8);
-    else if (at < n)
-        memset(p + channels * at, at % 2 != 0 ? 255 : 0, 3);
-    const int32_t done = (at < n ? at : n) / STEP * STEP;
+}
+
+static void check_mixed(const ntp__kernels_table *level, int32_t n, int32_t channels,
+                        uint64_t *seed)
+{
+    static uint32_t wanted[4][256];
+    guarded src = guarded_alloc((size_t) n * (size_t) channels, random_bits(seed) & 1);
+    ntp__found8 found = { .alpha = alpha }, other = { .alpha = wanted };
+    memset(alpha, 0, sizeof alpha);
+    memset(wanted, 0, sizeof wanted);
     memset(&cells, 0, sizeof cells);
-    CHECK(level->count_cells(&cells, p, n, channels, &gray) == done);
-    CHECK(counted() == (uint64_t) done);
+    memset(want, 0, sizeof want);
+    fill_mixed(src.data, n, channels, seed);
+    found.used = other.used = random_bits(seed) % 8;
+    const int32_t done = look(&other, src.data, n, channels);
+    CHECK(level->count_cells(&cells, &found, src.data, n, channels) == done);
+    CHECK(found.gray == other.gray && found.black == other.black);
+    CHECK(found.white == other.white && found.in_disc == other.in_disc);
+    for (int32_t i = 0; i < 256; i++)
+        CHECK(alpha[0][i] + alpha[1][i] + alpha[2][i] + alpha[3][i] == wanted[0][i]);
+    check_counts();
     guarded_free(&src);
 }
 
@@ -346,6 +381,34 @@ static void check_tallies(int32_t channels, uint64_t *seed)
     free(texels);
 }
 
+/* Two rows; the first one is of one level at times. */
+static void check_gray(int32_t width, uint64_t *seed)
+{
+    uint8_t packed[2 * WIDEST], apart[2 * 2 * WIDEST] = { 0 };
+    ntp_stats stats[2];
+    const bool even = random_bits(seed) % 2 != 0;
+    memset(stats, 0, sizeof stats);
+    for (int32_t i = 0; i < 2 * width; i++) {
+        const uint32_t level = random_level(seed, 255);
+        packed[i] = apart[2 * i] = (uint8_t) (even && i < width ? 200 : level);
+    }
+    for (int32_t i = 0; i < 2; i++) {
+        ntp_image image = ntp_image_packed(i == 0 ? packed : apart, width, 2, 1 + i, NTP_TYPE_U8);
+        image.channels = 1; /* of two, whose strides are kept */
+        image.encoding = NTP_ENCODING_HEIGHT;
+        const ntp_const_image view = ntp_image_as_const(&image);
+        const ntp_rect rows[2] = { { 0, 0, width, 1 }, { width / 3, 1, width, 2 } };
+        ntp_tally *const tally = calloc(1, ntp_tally_size());
+        CHECK(tally != NULL && ntp_tally_add(tally, &view, 0, &rows[0]) == NTP_OK);
+        CHECK(ntp_tally_add(tally, &view, 0, &rows[1]) == NTP_OK);
+        CHECK(ntp_tally_summarize(&stats[i], tally, NTP_ENCODING_STANDARD) == NTP_OK);
+        free(tally);
+    }
+    /* All were zero-filled, padding included.  NOLINTNEXTLINE */
+    CHECK(memcmp(&stats[0], &stats[1], sizeof stats[0]) == 0);
+    CHECK(stats[0].gray == stats[0].texels && stats[0].channel[0].max > 0);
+}
+
 int main(int argc, char **argv)
 {
     ntp__kernels_table level;
@@ -363,7 +426,10 @@ int main(int argc, char **argv)
         check_colors(&level, channels);
         check_many(&level, channels);
         for (int32_t n = 1; n <= WIDEST; n++)
-            check_ends(&level, n, channels, &seed);
+            check_mixed(&level, n, channels, &seed);
+        check_mixed(&level, MANY, channels, &seed);
     }
+    for (int32_t width = 1; width <= WIDEST; width++)
+        check_gray(width, &seed);
     return 0;
 }

@@ -104,6 +104,14 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
     const int32_t first = t->row_first[row], seen = t->at.row_seen[row];
     const uint64_t any_near = ntp__in_use16(near);
     int32_t n = 0;
+    if (seen == NTP__SEEN_NEAR) {
+        for (uint32_t bits = ntp__in_use16(near); bits != 0; bits &= bits - 1) {
+            const int32_t place = __builtin_ctz(bits);
+            cells->blue[n] = first + place;
+            cells->count[n++] = near[place];
+        }
+        return n;
+    }
     for (int32_t i = 0; i < 256; i += NTP__QUARTER) {
         /* Near cells may lie in two of these. */
         uint64_t bits = (uint32_t) (first - i) < 64   ? any_near << (first - i)
@@ -113,15 +121,13 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
             bits |= bytes_in_use(far + i);
         for (int32_t k = 0; seen & NTP__SEEN_CARRIED && k < 64; k++)
             bits |= (uint64_t) (carried[i + k] != 0) << k;
-        for (; bits != 0; bits &= bits - 1)
-            cells->blue[n++] = i + __builtin_ctzll(bits);
+        for (; bits != 0; bits &= bits - 1) {
+            const int32_t blue = i + __builtin_ctzll(bits);
+            const uint32_t place = (uint32_t) (blue - first);
+            cells->blue[n] = blue;
+            cells->count[n++] = far[blue] + (place < NTP__NEAR ? near[place] : 0);
+        }
     }
-    for (int32_t i = 0; i < n; i++) {
-        const uint32_t place = (uint32_t) (cells->blue[i] - first);
-        cells->count[i] = place < NTP__NEAR ? near[place] : 0;
-    }
-    for (int32_t i = 0; seen & NTP__SEEN_QUARTERS && i < n; i++)
-        cells->count[i] += far[cells->blue[i]];
     for (int32_t i = 0; seen & NTP__SEEN_CARRIED && i < n; i++)
         cells->count[i] += carried[cells->blue[i]] << 8;
     return n;
@@ -133,15 +139,13 @@ static inline int32_t next_of(int32_t row, int32_t most)
     return row + 1 == (most + 1) * (most + 2) / 2 ? NTP__ROWS - NTP__FLAT_ROWS : row + 1;
 }
 
-/* The close texels of a row by the low bits of their blues; returns whether there are any. */
-static inline bool sum_close(uint32_t count[NTP__CLOSE8_BLUES], const ntp__color_counts *t,
-                             int32_t row)
+/* Are there close texels of a row?  Most rows have none. */
+static inline bool any_close(const ntp__color_counts *t, int32_t row)
 {
-    uint32_t any = 0;
+    uint64_t any = 0, two[2];
     for (uint32_t i = 0; i < NTP__CLOSE8_BLUES; i++) {
-        const uint32_t *const close = t->close[ntp__close8_of((uint32_t) row, i)];
-        count[i] = close[0] + close[1] + close[2] + close[3];
-        any |= count[i]; /* less than 2^32 in all */
+        memcpy(two, t->close[ntp__close8_of((uint32_t) row, i)], sizeof two);
+        any |= two[0] | two[1];
     }
     return any != 0;
 }
@@ -169,16 +173,17 @@ static inline int32_t next_close(int32_t row, int32_t most)
 /* Adds the close texels of `from` to the cells of `into`, and notes their rows. */
 static void add_close(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
 {
-    uint32_t count[NTP__CLOSE8_BLUES];
     for (int32_t row = 0; from->has_close && row < NTP__ROWS; row = next_close(row, most)) {
-        if (!sum_close(count, from, row))
+        if (!any_close(from, row))
             continue;
         const uint32_t least = (uint32_t) from->row_blue[row] - NTP__CLOSE8_BELOW;
         into->row_pair[row] = from->row_pair[row];
         into->row_first[row] = from->row_first[row];
         for (uint32_t blue = least; blue < least + NTP__CLOSE8_BLUES; blue++) {
-            if (count[blue % NTP__CLOSE8_BLUES] > 0)
-                add_to_cell(into, (uint32_t) row, blue, count[blue % NTP__CLOSE8_BLUES]);
+            const uint32_t *const close = from->close[ntp__close8_of((uint32_t) row, blue)];
+            const uint32_t count = close[0] + close[1] + close[2] + close[3]; /* less than 2^32 */
+            if (count > 0)
+                add_to_cell(into, (uint32_t) row, blue, count);
         }
     }
 }
@@ -252,4 +257,5 @@ void ntp__clear_cells(ntp__color_counts *t, int32_t most)
     }
     memset(seen, 0, sizeof t->at.row_seen);
     t->grouped = 0;
+    t->mostly_far = 0;
 }

@@ -31,6 +31,7 @@ typedef struct ntp__color_counts {
     uint32_t unnoted;             /* some rows with near cells are not in row_seen */
     uint32_t grouped;             /* many are far from exact, so rows may be dense */
     uint64_t far_texels;          /* that were counted by look-ups, ever */
+    uint32_t mostly_far;          /* the next texels are to be counted by count_cells */
     uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry; when rows_ready */
     uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */
     uint8_t row_first[NTP__ROWS]; /* the blue of its first near cell */

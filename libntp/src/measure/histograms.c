@@ -44,6 +44,14 @@ ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encodin
     return NTP_OK;
 }
 
+static uint32_t count_harm(const ntp__sums *sums, uint32_t kinds, uint32_t bin)
+{
+    uint32_t count = 0;
+    for (uint32_t k = 0; k < NTP__ALL_HARM; k++)
+        count += kinds >> k & 1 ? sums->harm[k].bins[bin] : 0;
+    return count;
+}
+
 ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encoding, uint32_t kinds,
                           double degrees)
 {
@@ -68,16 +76,14 @@ ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encodin
     if (harm->texels == 0)
         return NTP_OK;
     /* From the greatest angle down; `below` have at most this one. */
-    for (uint32_t i = ntp__harm_bin(max) + 1; i-- > 0;) {
-        uint32_t count = 0;
-        for (uint32_t k = 0; k < NTP__ALL_HARM; k++)
-            count += kinds >> k & 1 ? sums->harm[k].bins[i] : 0;
-        if (below * 100 >= used * 99)
-            harm->p99 = i / 100.0;
-        if (i > (uint32_t) (degrees * 100 + 0.5))
-            harm->over += count;
-        below -= count;
+    const uint32_t bins = ntp__harm_bin(max) + 1, limit = (uint32_t) (degrees * 100 + 0.5);
+    for (uint32_t i = bins; i-- > 0 && below * 100 >= used * 99;) {
+        harm->p99 = i / 100.0;
+        below -= count_harm(sums, kinds, i);
     }
+    harm->over = harm->texels;
+    for (uint32_t i = 0; i < bins && i <= limit; i++)
+        harm->over -= count_harm(sums, kinds, i);
     harm->mean = (double) sum / (double) used / 1e6;
     harm->max = (double) max / 1e6;
     return NTP_OK;

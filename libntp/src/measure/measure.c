@@ -63,6 +63,13 @@ static void add_levels(ntp__channel_sums *sums, uint32_t level)
         sums->inverted_min = ~level;
 }
 
+static void merge_levels(ntp__channel_sums *into, const ntp__channel_sums *from)
+{
+    into->sum += from->sum;
+    ntp__merge_max(&into->max, from->max);
+    ntp__merge_max(&into->inverted_min, from->inverted_min);
+}
+
 static void add_color(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     add_levels(&t->channel[0], (uint32_t) r);
@@ -322,6 +329,26 @@ static void count_picture(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
         note_color(t, r[i], g[i], b[i]);
 }
 
+/* The same of packed bytes of one channel.  Any three of them are added up as a color is. */
+static void count_gray8(ntp_tally *t, const uint8_t *p, int32_t n)
+{
+    ntp__channel_sums before[3];
+    memcpy(before, t->channel, sizeof before);
+    memset(t->channel, 0, sizeof t->channel);
+    add_bytes(t, p, n / 3, 3);
+    for (int32_t i = n / 3 * 3; i < n; i++)
+        add_levels(&t->channel[0], p[i]);
+    for (int32_t k = 1; k < 3; k++)
+        merge_levels(&t->channel[0], &t->channel[k]);
+    for (int32_t k = 2; k >= 0; k--) {
+        merge_levels(&before[k], &t->channel[0]);
+        t->channel[k] = before[k];
+    }
+    t->gray += (uint32_t) n;
+    for (int32_t i = 0; t->colors < 2 && i < n; i++)
+        note_color(t, p[i], p[i], p[i]);
+}
+
 /* Looks for a second used color.  Only images of one color are searched to the end. */
 static void note_colors(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
 {
@@ -361,14 +388,17 @@ static void count_row(ntp_tally *t, waiting *w, close_counts *close, alpha_count
     bool words = src->encoding == NTP_ENCODING_STANDARD && src->type == NTP_TYPE_U16 &&
                  src->channels == 3 && ntp__is_packed(src) &&
                  ntp__kernels(NTP__CPU_ALL)->count_exact != NULL;
-    int32_t m = ntp__max(src->type), step = bytes ? x1 - x0 : NTP__BLOCK;
+    bool gray = picture && src->type == NTP_TYPE_U8 && src->channels == 1 && ntp__is_packed(src);
+    int32_t m = ntp__max(src->type), step = bytes || gray ? x1 - x0 : NTP__BLOCK;
     const uint64_t used = t->narrow + t->wide.texels;
     for (int32_t x = x0, n; x < x1; x += n) {
         if (words && w->noise > 0 &&
             (n = count_noise16(t, w, (const uint16_t *) ntp__at(src, x, y), x1 - x)) > 0)
             continue;
         n = x1 - x < step ? x1 - x : step;
-        if (bytes && src->channels == 3) {
+        if (gray) {
+            count_gray8(t, ntp__at(src, x, y), n);
+        } else if (bytes && src->channels == 3) {
             count_rgb8(t, close, ntp__at(src, x, y), n);
         } else if (bytes) {
             count_rgba8(t, close, alpha, ntp__at(src, x, y), n);

@@ -78,21 +78,33 @@ static inline uint32_t count_color(ntp_tally *t, const uint32_t *row_of, uint32_
     return 0;
 }
 
-/* Where many of a row's first `done` texels are far from their derived blue, as in photographs, these
- * counts are waited for.  Then most of the others are counted in another way.  Returns how many:
- * whole groups of opaque colors. */
-static inline int32_t count_groups(ntp_tally *t, uint64_t far_before, int32_t done,
-                                   const uint8_t *p, int32_t n, int32_t channels)
+/* Are many of the first `done` texels far from their derived blue, as in photographs?  Then these counts are
+ * waited for, and the next texels are counted in another way.  Where few are, near cells are enough, and most
+ * memory stays untouched. */
+static inline bool are_far(ntp_tally *t, uint64_t far_before, int32_t done)
 {
     enum { ONE_IN = 4, LEAST = 4 * GROUP };
     const uint64_t far = t->cells.far_texels - far_before;
-    if (done < LEAST || far < (uint64_t) done / ONE_IN)
-        return 0;
+    t->cells.mostly_far |= done >= LEAST && far >= (uint64_t) done / ONE_IN;
+    return t->cells.mostly_far != 0;
+}
+
+/* Counts whole groups of these in another way, and returns how many. */
+static int32_t count_groups(ntp_tally *t, ntp__found8 *found, const uint8_t *p, int32_t n,
+                            int32_t channels)
+{
     ntp__count8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_cells;
     if (count == NULL)
         return 0;
-    t->cells.grouped = 1;
-    return count(&t->cells.at, p, n, channels, &t->gray);
+    found->used = (t->touched & NTP_UNUSED_BLACK ? NTP__BLACK8 : 0) |
+                  (t->touched & NTP_UNUSED_WHITE ? NTP__WHITE8 : 0) |
+                  (t->touched & NTP_UNUSED_TRANSPARENT ? NTP__CLEAR8 : 0);
+    const int32_t done = count(&t->cells.at, found, p, n, channels);
+    t->cells.grouped |= done > 0;
+    t->gray += found->gray;
+    t->black += found->black;
+    t->white += found->white;
+    return done;
 }
 
 /* What close texels are counted by, over rows. */
@@ -172,17 +184,21 @@ static inline void fetch(const uint8_t *p, size_t ahead)
 
 static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n, size_t ahead)
 {
-    uint64_t unused = 0;
     uint32_t *near = t->cells.at.near;
+    uint64_t unused = 0;
     const uint64_t far = t->cells.far_texels;
     const int32_t all = n;
     const uint32_t *row_of = t->cells.row_of;
     for (; n >= GROUP; n -= GROUP) {
-        const int32_t quick = count_groups(t, far, all - n, p, n, 3);
-        p += 3 * quick;
-        n -= quick;
-        if (n < GROUP)
-            break;
+        if (are_far(t, far, all - n)) {
+            ntp__found8 found = { 0 };
+            const int32_t quick = count_groups(t, &found, p, n, 3);
+            unused += found.black + found.white;
+            p += 3 * quick;
+            n -= quick;
+            if (n < GROUP)
+                break;
+        }
         fetch(p, ahead);
         if (is_even_rgb8(p)) {
             unused += count_color(t, row_of, near, p, GROUP);
@@ -247,6 +263,7 @@ static void count_rgb8(ntp_tally *t, close_counts *c, const uint8_t *p, int32_t 
     t->narrow += (uint64_t) n;
     while (n > 0) {
         const int32_t done = count_close(t, c, &next, p, n, 3, ahead);
+        t->cells.mostly_far &= done == 0;
         t->narrow -= count_left(t, &far, &c->part, p);
         p += 3 * done;
         if (c->surveys && next > 0)
@@ -267,11 +284,13 @@ typedef struct alpha_counts {
     ntp__color_batch batch;
     uint32_t visible; /* the least alpha of a used texel */
     uint64_t unused, ag;
+    uint32_t alpha[4][256]; /* of texels beside those that the tally holds */
 } alpha_counts;
 
 static void begin_alpha(alpha_counts *c, uint32_t touch)
 {
     memset(c->count, 0, sizeof c->count);
+    memset(c->alpha, 0, sizeof c->alpha);
     c->batch.n = 0;
     c->visible = touch & NTP_UNUSED_TRANSPARENT ? 0 : 1;
 }
@@ -292,6 +311,8 @@ static void end_alpha(ntp_tally *t, alpha_counts *c)
         if (c->count[i] > 0)
             judge_clear(t, c, i);
     }
+    for (int32_t k = 0; k < 4; k++)
+        ntp__merge_counts(t->alpha, c->alpha[k], 256);
     if (c->batch.n > 0)
         ntp__end_batch(&t->transparent_narrow, &c->batch, 255,
                        ntp__judged_as((ntp_encoding) t->encoding));
@@ -335,28 +356,15 @@ static inline void count_one_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t 
     count_clear(t, c, p[0] | g << 8 | (uint32_t) p[2] << 16, count);
 }
 
-/* Counts a group; opaque ones, and those of one color, are the fast ones. */
-static inline void count_group_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p)
+static inline bool is_even_rgba8(const uint8_t *p)
 {
-    uint32_t texel[GROUP], all = UINT32_MAX, any = 0, opaque;
+    uint32_t texel[GROUP], all = UINT32_MAX, any = 0;
     memcpy(texel, p, sizeof texel);
-    memcpy(&opaque, (const uint8_t[4]) { 0, 0, 0, 255 }, sizeof opaque);
     for (int32_t i = 0; i < GROUP; i++) {
         all &= texel[i];
         any |= texel[i];
     }
-    if (all == any) {
-        count_one_rgba8(t, c, p, GROUP);
-        return;
-    }
-    if ((all & opaque) != opaque) {
-        for (int32_t i = 0; i < GROUP; i++)
-            count_one_rgba8(t, c, p + 4 * i, 1);
-        return;
-    }
-    t->alpha[255] += GROUP;
-    for (int32_t i = 0; i < GROUP; i++)
-        c->unused += count_color(t, t->cells.row_of, t->cells.at.near, p + 4 * i, 1);
+    return all == any;
 }
 
 static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n)
@@ -364,13 +372,20 @@ static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32
     const uint64_t far = t->cells.far_texels;
     const int32_t all = n;
     for (; n >= GROUP; n -= GROUP, p += 4 * GROUP) {
-        const int32_t quick = count_groups(t, far, all - n, p, n, 4);
-        t->alpha[255] += (uint32_t) quick;
+        if (is_even_rgba8(p)) {
+            count_one_rgba8(t, c, p, GROUP);
+            continue;
+        }
+        ntp__found8 found = { .alpha = c->alpha };
+        const int32_t quick = are_far(t, far, all - n) ? count_groups(t, &found, p, n, 4) : 0;
+        c->unused += found.black + found.white;
+        c->ag += found.in_disc;
         p += 4 * quick;
         n -= quick;
         if (n < GROUP)
             break;
-        count_group_rgba8(t, c, p);
+        for (int32_t i = 0; i < GROUP; i++)
+            count_one_rgba8(t, c, p + 4 * i, 1);
     }
     for (; n > 0; n--, p += 4)
         count_one_rgba8(t, c, p, 1);
@@ -388,6 +403,7 @@ static void count_rgba8(ntp_tally *t, close_counts *close, alpha_counts *c, cons
     t->narrow += (uint64_t) n;
     while (n > 0) {
         const int32_t done = count_close(t, close, &next, p, n, 4, row);
+        t->cells.mostly_far &= done == 0;
         t->alpha[255] += (uint32_t) (done - part->others);
         for (int32_t i = 0; i < part->others; i++)
             count_one_rgba8(t, c, p + 4 * part->left[i], 1);

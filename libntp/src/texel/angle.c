@@ -75,12 +75,10 @@ void ntp__angles_describe(ntp_angles *out, const ntp__angle_sums *sums)
     if (sums->texels == 0)
         return;
     out->mean = (double) sums->sum / (double) sums->texels / 1e6;
-    uint64_t rank = (sums->texels * 99 + 99) / 100, below = 0;
-    for (uint64_t i = 0; i <= (sums->max + 500) / 1000; i++) {
-        below += sums->bins[i];
-        if (below >= rank) {
-            out->p99 = (double) i / 1000.0;
-            return;
-        }
-    }
+    /* From the greatest angle down; `up_to` have at most this one. */
+    const uint64_t rank = (sums->texels * 99 + 99) / 100;
+    uint64_t i = (sums->max + 500) / 1000, up_to = sums->texels;
+    while (i > 0 && up_to - sums->bins[i] >= rank)
+        up_to -= sums->bins[i--];
+    out->p99 = (double) i / 1000.0;
 }

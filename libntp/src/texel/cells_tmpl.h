@@ -8,33 +8,6 @@
 
 #ifdef __AVX2__
 
-/* The rows of eight colors, as rows_prepare defines them in color_counts.c. */
-static inline __m256i rows_of(__m256i colors)
-{
-    const __m256i low = _mm256_set1_epi32(255), one = _mm256_set1_epi32(1);
-    /* k of r, g: as bytes, the lesser of r ^ 127 and r ^ 128 */
-    const __m256i k = _mm256_min_epu8(_mm256_xor_si256(colors, _mm256_set1_epi32(0x7f7f)),
-                                      _mm256_xor_si256(colors, _mm256_set1_epi32(0x8080)));
-    const __m256i p = _mm256_and_si256(k, low), q = _mm256_and_si256(_mm256_srli_epi32(k, 8), low);
-    const __m256i k1 = _mm256_max_epi16(p, q), k2 = _mm256_min_epi16(p, q);
-    const __m256i square = _mm256_mullo_epi16(k1, _mm256_add_epi32(k1, one));
-    /* flat: the high bits of r, g, as bits 0 and 1 */
-    const __m256i high = _mm256_and_si256(colors, _mm256_set1_epi32(0x8080));
-    const __m256i bits = _mm256_or_si256(_mm256_srli_epi32(high, 7), _mm256_srli_epi32(high, 14));
-    const __m256i flat = _mm256_add_epi32(_mm256_and_si256(bits, _mm256_set1_epi32(3)),
-                                          _mm256_set1_epi32(NTP__ROWS - NTP__FLAT_ROWS));
-    return _mm256_blendv_epi8(_mm256_add_epi32(_mm256_srli_epi32(square, 1), k2), flat,
-                              _mm256_cmpeq_epi32(k1, _mm256_setzero_si256()));
-}
-
-/* The numbers of their cells. */
-static inline __m256i cells_of(__m256i rows, __m256i colors)
-{
-    const __m256i first =
-        _mm256_add_epi32(_mm256_slli_epi32(rows, 8), _mm256_slli_epi32(rows, 4)); /* times 272 */
-    return _mm256_add_epi32(first, _mm256_srli_epi32(colors, 16));
-}
-
 /* Four texels from each of two places: their colors, with the alpha or 0 above. */
 static inline __m256i load_colors(const uint8_t *first, const uint8_t *second, __m256i shuffle)
 {
@@ -44,111 +17,7 @@ static inline __m256i load_colors(const uint8_t *first, const uint8_t *second, _
     return _mm256_shuffle_epi8(both, shuffle);
 }
 
-/* Sixteen texels of packed RGB: 0 to 3 and 8 to 11, 4 to 7 and 12 to 15.  The last load begins four bytes
- * early, to end with them. */
-static inline void load_rgb(__m256i colors[2], const uint8_t *src)
-{
-#  define FOUR(at)                                                                                 \
-      (at), (at) + 1, (at) + 2, -1, (at) + 3, (at) + 4, (at) + 5, -1, (at) + 6, (at) + 7,          \
-          (at) + 8, -1, (at) + 9, (at) + 10, (at) + 11, -1
-    colors[0] = load_colors(src, src + 24, _mm256_setr_epi8(FOUR(0), FOUR(0)));
-    colors[1] = load_colors(src + 12, src + 32, _mm256_setr_epi8(FOUR(0), FOUR(4)));
-#  undef FOUR
-}
-
-/* A bit for each of sixteen lanes with all bits set. */
-static inline uint32_t lanes_set(const __m256i lanes[2])
-{
-    return negatives(lanes[0], lanes[1]);
-}
-
-/* Sixteen colors, and a bit for each that is gray; false: one is black, white, or not opaque. */
-static inline bool load_group(__m256i colors[2], uint32_t *gray, const uint8_t *src,
-                              int32_t channels)
-{
-    const __m256i all = _mm256_set1_epi32(-1), rgb = _mm256_set1_epi32(RGB);
-    __m256i grays[2], ends[2], least = all;
-    if (channels == 3) {
-        load_rgb(colors, src);
-    } else {
-        for (int k = 0; k < 2; k++) {
-            colors[k] = _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * k));
-            least = _mm256_and_si256(least, colors[k]);
-            colors[k] = _mm256_and_si256(colors[k], rgb);
-        }
-        /* all bits of alpha, in all texels? */
-        least = _mm256_cmpeq_epi32(_mm256_or_si256(least, rgb), all);
-    }
-    for (int k = 0; k < 2; k++) {
-        grays[k] = _mm256_cmpeq_epi32(_mm256_and_si256(colors[k], _mm256_set1_epi32(0xffff)),
-                                      _mm256_srli_epi32(colors[k], 8));
-        ends[k] = _mm256_or_si256(_mm256_cmpeq_epi32(colors[k], _mm256_setzero_si256()),
-                                  _mm256_cmpeq_epi32(colors[k], rgb));
-    }
-    *gray = lanes_set(grays);
-    return lanes_set(ends) == 0 && _mm256_movemask_epi8(least) == -1;
-}
-
-enum { WAITING = 512, STREAMS = 8 /* counts that are waiting, and parts of them */ };
-
-/* Apart from the arithmetic, so that many counts are on their way at once.  Neighbors are often alike, and a
- * count waits for the one before it in the same place; so one of each part follows the other. */
-ONE_COPY static void count_each(ntp__cell_counts *counts, const uint32_t *at, const uint32_t *rows,
-                                int32_t n)
-{
-    const int32_t part = n / STREAMS;
-    for (int32_t i = 0; i < n; i += 4) {
-        const uint8_t *const seen = counts->row_seen;
-        for (int32_t k = i; k < i + 4; k++)
-            _mm_prefetch((const char *) counts->far + at[k], _MM_HINT_T0);
-        /* storing it again would be waited for */
-        const int all = seen[rows[i]] & seen[rows[i + 1]] & seen[rows[i + 2]] & seen[rows[i + 3]];
-        if ((all & NTP__SEEN_QUARTERS) == NTP__SEEN_QUARTERS)
-            continue;
-        for (int32_t k = i; k < i + 4; k++)
-            counts->row_seen[rows[k]] |= NTP__SEEN_QUARTERS;
-    }
-    for (int32_t i = 0; i < part; i++) {
-        UNROLLED
-        for (int32_t k = 0; k < STREAMS; k++)
-            ntp__count_far(counts, at[i + k * part], 1);
-    }
-}
-
-static int32_t count_cells(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
-                           int32_t channels, uint64_t *gray)
-{
-    enum { GROUP = 16, ALL = 0xffff };
-    uint32_t at[WAITING], rows[WAITING];
-    int32_t i = 0, waiting = 0;
-    for (; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
-        __m256i colors[2], same[2];
-        uint32_t grays;
-        if (!load_group(colors, &grays, src, channels))
-            break;
-        *gray += (uint32_t) __builtin_popcount(grays);
-        const __m256i first = _mm256_broadcastd_epi32(_mm256_castsi256_si128(colors[0]));
-        for (int k = 0; k < 2; k++) {
-            same[k] = _mm256_cmpeq_epi32(colors[k], first);
-            const __m256i row = rows_of(colors[k]);
-            _mm256_storeu_si256((__m256i *) (void *) (rows + waiting + 8 * k), row);
-            _mm256_storeu_si256((__m256i *) (void *) (at + waiting + 8 * k),
-                                cells_of(row, colors[k]));
-        }
-        if (lanes_set(same) == ALL) {
-            counts->row_seen[rows[waiting]] |= NTP__SEEN_QUARTERS;
-            ntp__count_far(counts, at[waiting], GROUP);
-            continue;
-        }
-        waiting += GROUP;
-        if (waiting == WAITING) {
-            count_each(counts, at, rows, waiting);
-            waiting = 0;
-        }
-    }
-    count_each(counts, at, rows, waiting);
-    return i;
-}
+enum { GROUP = 16 /* texels that are looked at together */ };
 
 /* Where 16 texels are, and which of their bytes go where: see load_16. */
 typedef struct layout8 {
@@ -188,6 +57,13 @@ static inline void load_16(__m256i *pairs, __m256i *blues, const uint8_t *src, c
     *blues = _mm256_unpackhi_epi64(a, b);
 }
 
+/* Their k: as bytes, the lesser of v ^ 127 and v ^ 128. */
+static inline __m256i k_of(__m256i bytes)
+{
+    return _mm256_min_epu8(_mm256_xor_si256(bytes, _mm256_set1_epi8(127)),
+                           _mm256_xor_si256(bytes, _mm256_set1_epi8(-128)));
+}
+
 /* The rows of 16 pairs of bytes; k are the k of red and green. */
 static inline __m256i row_words(__m256i pairs, __m256i k)
 {
@@ -223,8 +99,7 @@ static inline __m256i are_other(__m256i *rows, __m256i *places, const uint8_t *s
     enum { MOVED = NTP__ROWS - NTP__FLAT_ROWS - NTP__CLOSE8_ROWS };
     __m256i pairs, blues;
     load_16(&pairs, &blues, src, l);
-    const __m256i k = _mm256_min_epu8(_mm256_xor_si256(pairs, _mm256_set1_epi8(127)),
-                                      _mm256_xor_si256(pairs, _mm256_set1_epi8(-128)));
+    const __m256i k = k_of(pairs);
     const __m256i xy = _mm256_maddubs_epi16(_mm256_sub_epi8(k, _mm256_set1_epi8(-1)), k);
     const __m256i u = _mm256_subs_epu16(blues, l->before);
     const __m256i square = _mm256_mullo_epi16(u, _mm256_add_epi16(u, _mm256_set1_epi16(8)));
@@ -253,7 +128,7 @@ static inline uint32_t lanes_of_words(__m256i words)
 static void count_close8(ntp__close8_block *out, ntp__close8_counts close, const uint8_t *src,
                          int32_t n, int32_t channels, size_t ahead)
 {
-    enum { GROUP = 16, COPIES = NTP__CLOSE8_COPIES };
+    enum { COPIES = NTP__CLOSE8_COPIES };
     uint16_t at[256], left[256 / GROUP];
     const layout8 layout = layout8_of(channels);
     __m256i unlike = _mm256_setzero_si256(); /* the first place */
@@ -288,6 +163,169 @@ static void count_close8(ntp__close8_block *out, ntp__close8_counts close, const
         for (int k = 0; k < COPIES; k++)
             close[at[i + k]][k]++;
     }
+}
+
+enum { WAITING = 512, STREAMS = 8 /* counts that are waiting, and parts of them */ };
+
+/* Cells that are to be counted, and their rows. */
+typedef struct waiting8 {
+    uint32_t at[WAITING];
+    uint16_t rows[WAITING];
+    int32_t n;
+} waiting8;
+
+static inline void note_rows(ntp__cell_counts *counts, const uint16_t *rows, int32_t n)
+{
+    for (int32_t k = 0; k < n; k++)
+        counts->row_seen[rows[k]] |= NTP__SEEN_QUARTERS;
+}
+
+/* Apart from the arithmetic, so that many counts are on their way at once.  Neighbors are often alike, and a
+ * count waits for the one before it in the same place; so one of each part follows the other. */
+ONE_COPY static void count_each(ntp__cell_counts *counts, waiting8 *w)
+{
+    const uint8_t *const seen = counts->row_seen;
+    const int32_t n = w->n, part = n / STREAMS;
+    for (int32_t i = 0; i + 4 <= n; i += 4) {
+        const uint16_t *const rows = w->rows + i;
+        UNROLLED
+        for (int32_t k = 0; k < 4; k++)
+            _mm_prefetch((const char *) counts->far + w->at[i + k], _MM_HINT_T0);
+        /* storing it again would be waited for */
+        const int all = seen[rows[0]] & seen[rows[1]] & seen[rows[2]] & seen[rows[3]];
+        if ((all & NTP__SEEN_QUARTERS) != NTP__SEEN_QUARTERS)
+            note_rows(counts, rows, 4);
+    }
+    note_rows(counts, w->rows + n / 4 * 4, n % 4);
+    for (int32_t i = 0; i < part; i++) {
+        UNROLLED
+        for (int32_t k = 0; k < STREAMS; k++)
+            ntp__count_far(counts, w->at[i + k * part], 1);
+    }
+    for (int32_t i = STREAMS * part; i < n; i++)
+        ntp__count_far(counts, w->at[i], 1);
+    w->n = 0;
+}
+
+/* How many of sixteen words have all bits set. */
+static inline uint32_t words_set(__m256i words)
+{
+    return (uint32_t) __builtin_popcount((uint32_t) _mm256_movemask_epi8(words)) / 2;
+}
+
+static inline bool all_set(__m256i bits)
+{
+    return _mm256_movemask_epi8(bits) == -1;
+}
+
+/* The numbers of the cells of texels 0 to 3 and 8 to 11, and of the others. */
+static inline void cells_of(__m256i at[2], __m256i rows, __m256i blues)
+{
+    const __m256i by = _mm256_set1_epi32(1 << 16 | NTP__ROW_CELLS);
+    at[0] = _mm256_madd_epi16(_mm256_unpacklo_epi16(rows, blues), by);
+    at[1] = _mm256_madd_epi16(_mm256_unpackhi_epi16(rows, blues), by);
+}
+
+/* Gray ones of a group: they are counted, and those among them that are unused for being black or white.
+ * Returns which these are. */
+static inline __m256i unused_grays(ntp__found8 *found, __m256i gray, __m256i pairs)
+{
+    const __m256i none = _mm256_setzero_si256(), all = _mm256_set1_epi8(-1);
+    __m256i black = none, white = none;
+    if (!(found->used & NTP__BLACK8))
+        black = _mm256_and_si256(gray, _mm256_cmpeq_epi16(pairs, none));
+    if (!(found->used & NTP__WHITE8))
+        white = _mm256_and_si256(gray, _mm256_cmpeq_epi16(pairs, all));
+    found->gray += words_set(gray);
+    found->black += words_set(black);
+    found->white += words_set(white);
+    return _mm256_or_si256(black, white);
+}
+
+/* Alpha and green in the disc, where alpha is not full.  k is that of red and green. */
+static inline __m256i are_in_disc(__m256i k, __m256i blues)
+{
+    const __m256i high = _mm256_set1_epi16((short) 0xff00);
+    const __m256i both =
+        _mm256_or_si256(_mm256_and_si256(k_of(blues), high), _mm256_srli_epi16(k, 8));
+    const __m256i sum = _mm256_maddubs_epi16(_mm256_sub_epi8(both, _mm256_set1_epi8(-1)), both);
+    const __m256i full = _mm256_cmpeq_epi16(_mm256_and_si256(blues, high), high);
+    return _mm256_andnot_si256(full, _mm256_cmpgt_epi16(_mm256_set1_epi16(REST_8 + 1), sum));
+}
+
+/* Leaves out those that are not to be counted of the last GROUP, whose cells are in the order of cells_of. */
+static void leave_out(waiting8 *w, uint32_t which)
+{
+    uint32_t *const at = w->at + w->n, cells[GROUP];
+    uint16_t *const rows = w->rows + w->n;
+    int32_t n = 0;
+    memcpy(cells, at, sizeof cells);
+    for (int32_t i = 0; i < GROUP; i++) {
+        at[n] = cells[(i & 3) | (i & 8) >> 1 | (i & 4) << 1];
+        rows[n] = rows[i];
+        n += !(which >> i & 1);
+    }
+    w->n += n;
+}
+
+/* Neighbors are often alike, and a count waits for the one before it in the same place. */
+static inline void count_alpha(uint32_t (*alpha)[256], const uint8_t *src)
+{
+    for (int32_t i = 0; i < GROUP; i += 4) {
+        UNROLLED
+        for (int32_t k = 0; k < 4; k++)
+            alpha[k][src[4 * (i + k) + 3]]++;
+    }
+}
+
+static int32_t count_cells(ntp__cell_counts *counts, ntp__found8 *found, const uint8_t *src,
+                           int32_t n, int32_t channels)
+{
+    const layout8 layout = layout8_of(channels);
+    const __m256i none = _mm256_setzero_si256(), all = _mm256_set1_epi8(-1);
+    const __m256i low = _mm256_set1_epi16(255);
+    waiting8 w;
+    int32_t i = 0;
+    w.n = 0;
+    for (; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
+        __m256i pairs, blues, at[2], unused = none;
+        load_16(&pairs, &blues, src, &layout);
+        const __m256i k = k_of(pairs), rows = row_words(pairs, k);
+        const __m256i blue = _mm256_and_si256(blues, low);
+        const __m256i gray = _mm256_cmpeq_epi16(pairs, twice_of(blues));
+        const bool opaque =
+            channels == 3 || all_set(_mm256_cmpeq_epi16(_mm256_or_si256(blues, low), all));
+        if (!opaque && !(found->used & NTP__CLEAR8) &&
+            _mm256_movemask_epi8(_mm256_cmpeq_epi16(blue, blues)) != 0)
+            break;
+        if (_mm256_movemask_epi8(gray) != 0)
+            unused = unused_grays(found, gray, pairs);
+        if (!opaque)
+            count_alpha(found->alpha, src);
+        else if (channels == 4)
+            found->alpha[0][255] += GROUP;
+        if (!opaque)
+            found->in_disc += words_set(_mm256_andnot_si256(unused, are_in_disc(k, blues)));
+        cells_of(at, rows, blue);
+        _mm256_storeu_si256((__m256i *) (void *) (w.rows + w.n), rows);
+        _mm256_storeu_si256((__m256i *) (void *) (w.at + w.n), at[0]);
+        _mm256_storeu_si256((__m256i *) (void *) (w.at + w.n + 8), at[1]);
+        const __m256i first = _mm256_broadcastd_epi32(_mm256_castsi256_si128(at[0]));
+        const uint32_t left_out = lanes_of_words(unused);
+        if (left_out != 0) {
+            leave_out(&w, left_out);
+        } else if (all_set(_mm256_and_si256(_mm256_cmpeq_epi32(at[0], first),
+                                            _mm256_cmpeq_epi32(at[1], first)))) {
+            note_rows(counts, w.rows + w.n, 1);
+            ntp__count_far(counts, w.at[w.n], GROUP);
+        } else {
+            w.n += GROUP;
+        }
+        if (w.n > WAITING - GROUP)
+            count_each(counts, &w);
+    }
+    count_each(counts, &w);
+    return i;
 }
 #else
 #  define count_cells  NULL

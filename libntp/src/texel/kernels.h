@@ -68,13 +68,22 @@ typedef void ntp__validate_fn(uint8_t *flags, int32_t *const c[4], int32_t n,
 typedef void ntp__validate_rgb_fn(uint8_t *flags, const void *src, int32_t n,
                                   const ntp__validity *how);
 
+/* What counts as used, and what was found among texels: how many of them are gray, and unused for being black or
+ * white; and those that are neither, whose alpha is not full, and whose alpha and green lie in the disc. */
+enum { NTP__BLACK8 = 1, NTP__WHITE8 = 2, NTP__CLEAR8 = 4 /* alpha 0 */ };
+typedef struct ntp__found8 {
+    uint32_t used;
+    uint32_t (*alpha)[256]; /* of four channels: counts of alpha, in four parts */
+    uint64_t gray, black, white, in_disc;
+} ntp__found8;
+
 /*
  * Counts packed texels of 3 or 4 channels of 8 bit in the cells of a tally (cells.h), not in near
- * ones, a group of NTP__KERNEL_STEP after the other, up to one in which a texel is black, white or not opaque.
- * Returns how many are counted, and adds how many of them are gray.
+ * ones, a group of NTP__KERNEL_STEP after the other, up to one in which a texel is unused for alpha 0.  Black
+ * and white ones that are unused are left out of the cells.  Returns of how many texels, and adds to `found`.
  */
-typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, const uint8_t *src, int32_t n,
-                               int32_t channels, uint64_t *gray);
+typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, ntp__found8 *found, const uint8_t *src,
+                               int32_t n, int32_t channels);
 
 /* Sums and extremes of packed texels of 8 bit: 0 of none.  The extremes are the greatest ones of these texels of
  * 4 channels, of which the last one says nothing. */
