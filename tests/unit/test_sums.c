@@ -109,6 +109,20 @@ static int32_t find_others(uint16_t (*others)[3], const uint16_t *rgb, int32_t n
     return count;
 }
 
+static void check_survey(const ntp__survey *survey, const uint16_t *rgb, int32_t n)
+{
+    for (int32_t e = 0; e < 3; e++) {
+        uint32_t least = 65535, greatest = 0, sum = 0;
+        for (int32_t i = 0; i < n; i++) {
+            least = rgb[3 * i + e] < least ? rgb[3 * i + e] : least;
+            greatest = rgb[3 * i + e] > greatest ? rgb[3 * i + e] : greatest;
+            sum += rgb[3 * i + e];
+        }
+        CHECK(survey->least[e] == least && survey->greatest[e] == greatest &&
+              survey->sum[e] == sum);
+    }
+}
+
 /* The same straight from packed pixels, between guard pages; the block becomes what is left. */
 static int32_t add_packed(close_check *k, int32_t n)
 {
@@ -123,15 +137,7 @@ static int32_t add_packed(close_check *k, int32_t n)
     const int32_t count =
         ntp__add_far_rgb_avx512(&k->some, &k->far, &survey, &k->block, rgb, &done);
     CHECK(done == n);
-    for (int32_t e = 0; e < 3; e++) {
-        uint32_t least = 65535, greatest = 0, sum = 0;
-        for (int32_t i = 0; i < n; i++) {
-            least = rgb[3 * i + e] < least ? rgb[3 * i + e] : least;
-            greatest = rgb[3 * i + e] > greatest ? rgb[3 * i + e] : greatest;
-            sum += rgb[3 * i + e];
-        }
-        CHECK(survey.least[e] == least && survey.greatest[e] == greatest && survey.sum[e] == sum);
-    }
+    check_survey(&survey, rgb, n);
     /* all others, and up to 15 more */
     const int32_t others = find_others(want, rgb, n);
     CHECK(count >= others && count < others + GROUP && (count == n || (n - count) % GROUP == 0));
@@ -148,6 +154,7 @@ static int32_t add_packed(close_check *k, int32_t n)
     guarded_free(&g);
     return count;
 }
+
 #else
 static int32_t add_packed(close_check *k, int32_t n)
 {
@@ -398,6 +405,59 @@ static void check_far(uint64_t *seed)
     check_same_sums(&whole, &whole.some, &whole.close, &whole.far);
     check_same_sums(&k, &k.some, &k.close, &k.far);
 }
+
+#ifdef NTP_HAVE_AVX512
+/* Packed rows of noise, one exact texel in `one_in`: where these are rare, thousands are added at once.  Or none
+ * (0), and all point down, so angles are the greatest that there are.  Returns how many at most. */
+static int32_t check_long_row(uint64_t *seed, int32_t n, uint32_t one_in)
+{
+    static close_check k;
+    guarded g = guarded_alloc((size_t) n * 6, n % 2 == 0);
+    uint16_t *const rgb = g.data;
+    memset(&k, 0, sizeof k);
+    for (int32_t i = 0; i < n; i++) {
+        const uint32_t rg = random_bits(seed);
+        int32_t c[3] = { (int32_t) (rg & 65535), (int32_t) (rg >> 16),
+                         (int32_t) (random_bits(seed) >> 16) };
+        const int64_t s = ntp__rest(c[0], c[1], 65535);
+        if (one_in > 0 && s >= 0 && random_bits(seed) % one_in == 0)
+            c[2] = ntp__blue_of_rest(s, 65535, false);
+        for (int32_t e = 0; e < 3; e++)
+            rgb[3 * i + e] = (uint16_t) (one_in > 0 ? c[e]
+                                         : e < 2    ? 32768 + c[e] / 256
+                                                    : c[2] / 1024);
+    }
+    int32_t at = 0, most = 0;
+    while (n - at >= 16) {
+        ntp__survey survey;
+        int32_t done = n - at;
+        const int32_t left =
+            ntp__add_far_rgb_avx512(&k.some, &k.far, &survey, &k.block, rgb + 3 * at, &done);
+        CHECK(done > 0 && done <= n - at && done % 16 == 0 && left <= NTP__BLOCK);
+        CHECK(done >= (n - at < NTP__BLOCK ? (n - at) / 16 * 16 : NTP__BLOCK));
+        check_survey(&survey, rgb + 3 * at, done);
+        ntp__add_block(&k.some, &k.block, NULL, left, 65535, NTP_ENCODING_STANDARD);
+        most = done > most ? done : most;
+        at += done;
+    }
+    for (int32_t x = 0; x < n; x += NTP__BLOCK) {
+        const int32_t part = n - x < NTP__BLOCK ? n - x : NTP__BLOCK;
+        for (int32_t i = 0; i < 3 * part; i++)
+            k.block.c[i % 3][i / 3] = rgb[3 * x + i];
+        ntp__add_block(&k.each, &k.block, NULL, part, 65535, NTP_ENCODING_STANDARD);
+        if (x + part > at) { /* the last few */
+            for (int32_t i = 0; i < 3 * (n - at); i++)
+                k.block.c[i % 3][i / 3] = rgb[3 * at + i];
+            ntp__add_block(&k.some, &k.block, NULL, n - at, 65535, NTP_ENCODING_STANDARD);
+        }
+    }
+    ntp__merge_sums(&k.want, &k.each);
+    check_same_sums(&k, &k.some, &k.close, &k.far);
+    guarded_free(&g);
+    return most;
+}
+#endif
+
 int main(int argc, char **argv)
 {
     allowed_512 = argc > 1 && strcmp(argv[1], "avx512") == 0;
@@ -412,5 +472,14 @@ int main(int argc, char **argv)
         check_close(level, &seed);
     if (avx2)
         check_far(&seed);
+#ifdef NTP_HAVE_AVX512
+    int32_t most = 0;
+    for (int32_t n = 16; allowed_512 && n < 20000; n += n / 3) {
+        const int32_t down = check_long_row(&seed, n, 0), rare = check_long_row(&seed, n, 4000);
+        CHECK(check_long_row(&seed, n, 12) > 0);
+        most = rare > most ? rare : down > most ? down : most;
+    }
+    CHECK(!allowed_512 || most >= 1024);
+#endif
     return 0;
 }

@@ -151,11 +151,10 @@ static double sum_squares(float *e, const float *expected, const int32_t *worth,
     return ntp__sum_squares(e, expected, worth, (n + 3) & -4);
 }
 
-/* The sums of n columns from column `from` on. */
-static void down(float *out, const float (*rows_of)[WIDE], const float taps[TAPS], int32_t from,
-                 int32_t n)
+/* The sums of n columns; in: the first of the first row. */
+static void down(float *out, const float *in, const float taps[TAPS], int32_t n)
 {
-    ntp__filter(out, rows_of[0] + from, WIDE, taps, TAPS, false, n);
+    ntp__filter(out, in, WIDE, taps, TAPS, false, n);
 }
 
 /* Sums for out[0..n - 1], of which out[0] belongs to in[REACH]; onto: they are added to it. */
@@ -175,9 +174,9 @@ static int32_t find_points(int32_t worth[WORTH], const rows *at, float level, in
 {
     float line[WIDE], u[WIDE] = { 0 }, v[WIDE] = { 0 };
     int32_t count = 0;
-    down(line, at->p, SEEN_DIFFERENCE, 0, n + 2 * REACH);
+    down(line, at->p[0], SEEN_DIFFERENCE, n + 2 * REACH);
     across(u, line, SEEN_MEAN, false, n);
-    down(line, at->q, SEEN_MEAN, 0, n + 2 * REACH);
+    down(line, at->q[0], SEEN_MEAN, n + 2 * REACH);
     across(v, line, SEEN_DIFFERENCE, false, n);
     to_worth(worth, u, v, at->bad, level, n);
     for (int32_t i = 0; i < n; i++)
@@ -191,14 +190,14 @@ typedef struct filtered {
     float p_noise[DIFFERENCES][WIDE], q_noise[MEANS][WIDE];
 } filtered;
 
-/* All sums of n columns from column `from` on; squares: of the squares of the taps. */
-static void filter_down(float (*out)[WIDE], const float (*rows_of)[WIDE], const float (*taps)[TAPS],
-                        int32_t count, bool squares, int32_t from, int32_t n)
+/* The same of all taps; squares: of the squares of them. */
+static void filter_down(float (*out)[WIDE], const float *in, const float (*taps)[TAPS],
+                        int32_t count, bool squares, int32_t n)
 {
     for (int32_t i = 0; i < count; i++) {
         float taps2[TAPS];
         squared(taps2, taps[i]);
-        down(out[i], rows_of, squares ? taps2 : taps[i], from, n);
+        down(out[i], in, squares ? taps2 : taps[i], n);
     }
 }
 
@@ -246,10 +245,10 @@ static void add_stretch(sums *s, const ntp_const_image *src, uint32_t touch, int
         to_noise(&at, k, level, texels);
     n = last - first + 1;
     const int32_t wide = n + 2 * REACH;
-    filter_down(lines.p, at.p, DIFFERENCE, DIFFERENCES, false, first, wide);
-    filter_down(lines.q, at.q, MEAN, MEANS, false, first, wide);
-    filter_down(lines.p_noise, at.p_noise, DIFFERENCE, DIFFERENCES, true, first, wide);
-    filter_down(lines.q_noise, at.q_noise, MEAN, MEANS, true, first, wide);
+    filter_down(lines.p, at.p[0] + first, DIFFERENCE, DIFFERENCES, false, wide);
+    filter_down(lines.q, at.q[0] + first, MEAN, MEANS, false, wide);
+    filter_down(lines.p_noise, at.p_noise[0] + first, DIFFERENCE, DIFFERENCES, true, wide);
+    filter_down(lines.q_noise, at.q_noise[0] + first, MEAN, MEANS, true, wide);
     for (int32_t i = 0; i < CANDIDATES; i++)
         try_candidate(&s->square[i], &CANDIDATE[i], &lines, worth + first, n);
 }

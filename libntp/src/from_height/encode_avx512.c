@@ -11,7 +11,8 @@
 
 enum { STEP = LANES_512 };
 enum { UNIT_BITS = 16, UNITS = 1 << UNIT_BITS, ERROR_BITS = 5 };
-enum { ANY = 0xfe /* a | b | c */, UPPER = 0xaaaaaaaa /* halves */ };
+enum { ANY = 0xfe /* a | b | c */ };
+static const __mmask32 UPPER = 0xaaaaaaaa; /* halves */
 
 typedef struct constants {
     __m512 side, middle, half, square, flip; /* as in encode_avx2.c */
