@@ -131,7 +131,7 @@ static void count_close8(ntp__close8_block *out, ntp__close8_counts close, const
     enum { COPIES = NTP__CLOSE8_COPIES };
     uint16_t at[256], left[256 / GROUP];
     const layout8 layout = layout8_of(channels);
-    __m256i unlike = _mm256_setzero_si256(); /* the first place */
+    __m256i first = _mm256_setzero_si256(), unlike = first;
     uint32_t any = 0;
     int32_t others = 0;
     for (int32_t i = 0; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
@@ -140,8 +140,9 @@ static void count_close8(ntp__close8_block *out, ntp__close8_counts close, const
         const __m256i other = are_other(&rows, &places, src, &layout);
         _mm256_storeu_si256((__m256i *) (void *) (out->row + i), rows);
         _mm256_storeu_si256((__m256i *) (void *) (at + i), places);
-        unlike =
-            _mm256_or_si256(unlike, _mm256_xor_si256(places, _mm256_set1_epi16((short) at[0])));
+        if (i == 0)
+            first = _mm256_broadcastw_epi16(_mm256_castsi256_si128(places));
+        unlike = _mm256_or_si256(unlike, _mm256_xor_si256(places, first));
         left[i / GROUP] = (uint16_t) lanes_of_words(other);
         any |= left[i / GROUP];
     }
