@@ -94,7 +94,10 @@ static void validate(uint8_t *flags, int32_t *const c[4], int32_t n, const ntp__
  * At 8 bit, 16 bits with a sign hold s, and at 16 bit 32 do.  Black and white have the greatest t,
  * and three equal levels.
  */
-enum { NOT_NEIGHBOR, NOT_ROUNDED, NOT_EXACT, TOO_LONG, NEGATIVE, UNUSED, TESTS };
+
+/* Exact ones are rounded, and these neighbor, so two bits count what a texel is not. What is too long is not
+ * exact: with that bit 0 of these is an unused one. */
+enum { NOTHING = 3 /* of neighbor, rounded, exact */, TOO_LONG = 4, NEGATIVE = 8 };
 
 static inline __m256i plus(__m256i v, __m256i w, bool deep)
 {
@@ -129,8 +132,9 @@ static inline __m256i folded(__m256i c, __m256i k, __m256i below, bool deep)
     return deep ? _mm256_min_epu16(x, y) : _mm256_min_epu8(x, y);
 }
 
-/* 16 texels of 8 bit, in 16 bits each, or 8 of 16 bit in 32: red and green as halves, and blue. */
-static inline void test_pairs(__m256i found[TESTS], __m256i rg, __m256i b, bool deep)
+/* The bits of 16 texels of 8 bit, in 16 bits each, or of 8 of 16 bit in 32: red and green as halves, and
+ * blue. */
+static inline __m256i test_pairs(__m256i rg, __m256i b, bool deep)
 {
     const int32_t half = deep ? 16 : 8;
     const int64_t k = deep ? 32768 : 128, pair = 1 + (1 << half);
@@ -145,20 +149,27 @@ static inline void test_pairs(__m256i found[TESTS], __m256i rg, __m256i b, bool 
     const __m256i t = plus(sum, z, deep), rest = minus(all(-5, deep), s, deep);
     const __m256i size = deep ? _mm256_abs_epi32(s) : _mm256_abs_epi16(s);
     const __m256i reach = deep ? _mm256_max_epi32(s, rest) : _mm256_max_epi16(s, rest);
-    const __m256i gray = deep ? _mm256_or_si256(b, _mm256_slli_epi32(b, half))
-                              : _mm256_or_si256(b, _mm256_slli_epi16(b, half));
-    found[NOT_NEIGHBOR] = above(reach, plus(t, t, deep), deep);
-    found[NOT_ROUNDED] = above(size, plus(t, all(1, deep), deep), deep);
-    found[NOT_EXACT] = above(size, z, deep);
-    found[TOO_LONG] = above(xy, most, deep);
-    found[NEGATIVE] = above(all(k, deep), b, deep);
-    found[UNUSED] = _mm256_and_si256(same(rg, gray, deep), same(t, all(3 * k - 3, deep), deep));
+    const __m256i missed =
+        plus(plus(above(size, z, deep), above(reach, plus(t, t, deep), deep), deep),
+             above(size, plus(t, all(1, deep), deep), deep), deep);
+    const __m256i others =
+        _mm256_or_si256(_mm256_and_si256(above(xy, most, deep), all(TOO_LONG, deep)),
+                        _mm256_and_si256(above(all(k, deep), b, deep), all(NEGATIVE, deep)));
+    const __m256i corner = same(t, all(3 * k - 3, deep), deep);
+    __m256i bits = minus(others, missed, deep);
+    if (!_mm256_testz_si256(corner, corner)) {
+        const __m256i gray = deep ? _mm256_or_si256(b, _mm256_slli_epi32(b, half))
+                                  : _mm256_or_si256(b, _mm256_slli_epi16(b, half));
+        const __m256i unused = _mm256_and_si256(same(rg, gray, deep), corner);
+        bits = _mm256_andnot_si256(_mm256_and_si256(unused, all(NOTHING, deep)), bits);
+    }
+    return bits;
 }
 
 #  define N -1
 
 /* The same of pixels: 24 bytes from s on, and as many from `apart` bytes later. */
-static inline void test_pixels(__m256i found[TESTS], const uint8_t *s, ptrdiff_t apart, bool deep)
+static inline __m256i test_pixels(const uint8_t *s, ptrdiff_t apart, bool deep)
 {
     const __m128i from[2] = {
         deep ? _mm_setr_epi8(0, 1, 2, 3, 6, 7, 8, 9, 4, 5, N, N, 10, 11, N, N)
@@ -169,75 +180,62 @@ static inline void test_pixels(__m256i found[TESTS], const uint8_t *s, ptrdiff_t
     __m256i half[2];
     UNROLLED
     for (int k = 0; k < 2; k++) {
-        const __m128i low = _mm_loadu_si128((const __m128i *) (const void *) (s + 8 * k));
-        const __m128i high = _mm_loadu_si128((const __m128i *) (const void *) (s + apart + 8 * k));
-        half[k] = _mm256_shuffle_epi8(_mm256_inserti128_si256(_mm256_castsi128_si256(low), high, 1),
-                                      _mm256_broadcastsi128_si256(from[k]));
+        half[k] =
+            _mm256_shuffle_epi8(load_apart(s + 8 * k, apart), _mm256_broadcastsi128_si256(from[k]));
     }
-    test_pairs(found, _mm256_unpacklo_epi64(half[0], half[1]),
-               _mm256_unpackhi_epi64(half[0], half[1]), deep);
+    return test_pairs(_mm256_unpacklo_epi64(half[0], half[1]),
+                      _mm256_unpackhi_epi64(half[0], half[1]), deep);
 }
 
 #  undef N
 
 enum { PART = 24 /* bytes that one half of a vector is made of */ };
 
-/* The same of two such parts; ONE_COPY at 16 bit, which is as quick. */
-static inline void test_two(__m256i found[TESTS], const uint8_t *s, ptrdiff_t apart, bool deep)
+/* The same of two such parts at 16 bit; as quick as where it is inline. */
+ONE_COPY static __m256i test_two_deep(const uint8_t *s)
 {
-    __m256i next[TESTS];
-    test_pixels(found, s, apart, deep);
-    test_pixels(next, s + PART, apart, deep);
-    UNROLLED
-    for (int i = 0; i < TESTS; i++)
-        found[i] =
-            deep ? _mm256_packs_epi32(found[i], next[i]) : _mm256_packs_epi16(found[i], next[i]);
+    return _mm256_packs_epi32(test_pixels(s, 4 * PART, true),
+                              test_pixels(s + PART, 4 * PART, true));
 }
 
-ONE_COPY static void test_two_deep(__m256i found[TESTS], const uint8_t *s)
+/* The bits of 32 pixels, as bytes. */
+static inline __m256i test_32(const uint8_t *s, bool deep)
 {
-    test_two(found, s, 4 * PART, true);
+    if (deep)
+        return _mm256_packs_epi16(test_two_deep(s), test_two_deep(s + 2 * PART));
+    return _mm256_packs_epi16(test_pixels(s, 2 * PART, false),
+                              test_pixels(s + PART, 2 * PART, false));
 }
 
-/* The flags of 32 pixels. */
-static inline __m256i flags_of_32(const uint8_t *s, bool deep, __m256i mirrored, __m256i kept,
-                                  __m256i others)
+/* The flags that bits stand for. */
+static void flags_of_bits(uint8_t flags[16], const ntp__validity *how)
 {
-    __m256i v[TESTS], next[TESTS];
-    if (deep) {
-        test_two_deep(v, s);
-        test_two_deep(next, s + 2 * PART);
-        UNROLLED
-        for (int i = 0; i < TESTS; i++)
-            v[i] = _mm256_packs_epi16(v[i], next[i]);
-    } else {
-        test_two(v, s, 2 * PART, false);
+    const uint32_t passed = NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED | NTP_FLAG_EXACT;
+    const uint32_t mirrored = how->keep_negative_z ? 0 : NTP_FLAG_EXACT;
+    for (uint32_t bits = 0; bits < 16; bits++) {
+        const bool unused = (bits & (TOO_LONG | NOTHING)) == TOO_LONG;
+        uint32_t f =
+            (unused ? 0 : passed >> (bits & NOTHING)) | bits / TOO_LONG % 2 * NTP_FLAG_XY_TOO_LONG;
+        if (bits >= NEGATIVE)
+            f = (f & ~mirrored) | NTP_FLAG_Z_NEGATIVE;
+        f &= how->kept;
+        f |= f == 0 ? how->others : 0;
+        flags[bits] = (uint8_t) (f | (unused ? NTP_FLAG_UNUSED : 0));
     }
-    v[NOT_EXACT] = _mm256_or_si256(v[NOT_EXACT], _mm256_andnot_si256(mirrored, v[NEGATIVE]));
-    __m256i f = _mm256_andnot_si256(v[NOT_NEIGHBOR], _mm256_set1_epi8(NTP_FLAG_NEIGHBOR));
-    f = _mm256_or_si256(f, _mm256_andnot_si256(v[NOT_ROUNDED], _mm256_set1_epi8(NTP_FLAG_ROUNDED)));
-    f = _mm256_or_si256(f, _mm256_andnot_si256(v[NOT_EXACT], _mm256_set1_epi8(NTP_FLAG_EXACT)));
-    f = _mm256_or_si256(f, _mm256_and_si256(v[TOO_LONG], _mm256_set1_epi8(NTP_FLAG_XY_TOO_LONG)));
-    f = _mm256_or_si256(f, _mm256_and_si256(v[NEGATIVE], _mm256_set1_epi8(NTP_FLAG_Z_NEGATIVE)));
-    f = _mm256_and_si256(f, kept);
-    f = _mm256_or_si256(f, _mm256_and_si256(_mm256_cmpeq_epi8(f, _mm256_setzero_si256()), others));
-    return _mm256_or_si256(f, _mm256_and_si256(v[UNUSED], _mm256_set1_epi8(NTP_FLAG_UNUSED)));
 }
 
 static inline void flags_rgb(uint8_t *flags, const uint8_t *s, int32_t n, bool deep,
-                             const ntp__validity *how)
+                             const uint8_t of_bits[16])
 {
     enum { STEP = 32 };
     const int32_t size = deep ? 6 : 3;
-    const __m256i mirrored = _mm256_set1_epi8(how->keep_negative_z ? -1 : 0);
-    const __m256i kept = _mm256_set1_epi8((char) how->kept);
-    const __m256i others = _mm256_set1_epi8((char) how->others);
+    const __m256i table = _mm256_broadcastsi128_si256(_mm_loadu_si128((const void *) of_bits));
     for (int32_t i = 0; i < n; i += STEP, flags += STEP, s += STEP * size) {
         uint8_t few[6 * STEP];
         const bool whole = n - i >= STEP;
         if (!whole)
             memcpy(few, s, (size_t) size * (size_t) (n - i));
-        const __m256i f = flags_of_32(whole ? s : few, deep, mirrored, kept, others);
+        const __m256i f = _mm256_shuffle_epi8(table, test_32(whole ? s : few, deep));
         _mm256_storeu_si256((__m256i *) (void *) (whole ? flags : few), f);
         if (!whole)
             memcpy(flags, few, (size_t) (n - i));
@@ -246,10 +244,12 @@ static inline void flags_rgb(uint8_t *flags, const uint8_t *s, int32_t n, bool d
 
 static void validate_rgb(uint8_t *flags, const void *src, int32_t n, const ntp__validity *how)
 {
+    uint8_t of_bits[16];
+    flags_of_bits(of_bits, how);
     if (how->m > 255)
-        flags_rgb(flags, src, n, true, how);
+        flags_rgb(flags, src, n, true, of_bits);
     else
-        flags_rgb(flags, src, n, false, how);
+        flags_rgb(flags, src, n, false, of_bits);
 }
 
 #else
