@@ -127,6 +127,7 @@ static inline bool add_eight(int32_t *bins, added *to, const pairs *p, int32_t i
 {
     const eight s2 = load_eight(p->s2 + i), d = load_eight(p->d + i);
     __m256i v[2];
+#pragma GCC unroll 2
     for (int k = 0; k < 2; k++) {
         const __m256d u0 = _mm256_cvtps_pd(_mm_loadu_ps(p->u0 + i + STEP / 2 * k));
         const __m256d g = _mm256_cvtps_pd(_mm_loadu_ps(p->g + i + STEP / 2 * k));
