@@ -179,9 +179,9 @@ static ALWAYS_INLINE __m256d numerator(__m128i level, int32_t m)
 }
 
 /* Stores the levels of a step and takes their slopes off: what is left are the errors. */
-static ALWAYS_INLINE void leave_errors(wave *x, wave *y, ntp__wave_step *step,
-                                       const __m128i r[GROUPS], const __m128i g[GROUPS], int32_t m,
-                                       bool zzero)
+static ALWAYS_INLINE void leave_errors(wave *along, wave *down, const wave *x, const wave *y,
+                                       ntp__wave_step *step, const __m128i r[GROUPS],
+                                       const __m128i g[GROUPS], int32_t m, bool zzero)
 {
     const __m256d twice = ALL(zzero ? 2 : 1);
     const __m128i more = _mm_set1_epi32(zzero ? 1 : m + 1);
@@ -201,8 +201,8 @@ static ALWAYS_INLINE void leave_errors(wave *x, wave *y, ntp__wave_step *step,
         c[2] = _mm_srli_epi32(_mm_add_epi32(_mm256_cvttpd_epi32(_mm256_mul_pd(twice, z)), more), 1);
         for (int32_t i = 0; i < 3; i++)
             _mm_storeu_si128((__m128i *) (void *) &step->level[i][GROUP * k], c[i]);
-        x->of[k] = _mm256_sub_pd(x->of[k], _mm256_div_pd(p, z));
-        y->of[k] = _mm256_sub_pd(y->of[k], _mm256_div_pd(q, z));
+        along->of[k] = _mm256_sub_pd(x->of[k], _mm256_div_pd(p, z));
+        down->of[k] = _mm256_sub_pd(y->of[k], _mm256_div_pd(q, z));
     }
 }
 
@@ -251,9 +251,7 @@ static void dither(ntp__wave_step *steps, double *along, double *down, int32_t r
         }
         if (m > 255 || how->min_z > 0 || !round_wave_8(r, g, &x, &y))
             round_wave(r, g, &x, &y, how);
-        leave_errors(&x, &y, &steps[t], r, g, m, how->zzero);
-        before = x;
-        above = y;
+        leave_errors(&before, &above, &x, &y, &steps[t], r, g, m, how->zzero);
         if (t >= n - 1) {
             store_wave(line, &before);
             along[t - (n - 1)] = line[t - (n - 1)];
