@@ -133,10 +133,16 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
     return n;
 }
 
+/* The first row whose greater magnitude is k1, but for flat ones. */
+static inline int32_t first_of(int32_t k1)
+{
+    return k1 * (k1 + 1) / 2;
+}
+
 /* The row after this one, of those whose magnitudes are at most `most`: flat ones are the last. */
 static inline int32_t next_of(int32_t row, int32_t most)
 {
-    return row + 1 == (most + 1) * (most + 2) / 2 ? NTP__ROWS - NTP__FLAT_ROWS : row + 1;
+    return row + 1 == first_of(most + 1) ? NTP__ROWS - NTP__FLAT_ROWS : row + 1;
 }
 
 /* Are there close texels of a row?  Most rows have none. */
@@ -164,35 +170,53 @@ static void add_to_cell(ntp__color_counts *t, uint32_t row, uint32_t blue, uint3
     ntp__count_far(&t->at, row * NTP__ROW_CELLS + blue, count);
 }
 
-/* The row after this one, of those that hold close texels whose magnitudes are at most `most`. */
-static inline int32_t next_close(int32_t row, int32_t most)
+/* Defines a row, unless that was done: then its pair is not 0.  k1 is its greater magnitude. */
+static void define(ntp__color_counts *t, int32_t row, int32_t k1)
 {
-    return next_of(row, most < 126 ? most : 126);
+    const int32_t flat = row - (NTP__ROWS - NTP__FLAT_ROWS);
+    if (t->row_pair[row] != 0)
+        return;
+    if (flat >= 0)
+        ntp__find_row(t, K - 1 + (flat & 1), K - 1 + (flat >> 1));
+    else
+        ntp__find_row(t, K + k1, K + row - first_of(k1));
 }
 
-/* Adds the close texels of `from` to the cells of `into`, and notes their rows. */
-static void add_close(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
+static void add_close_row(ntp__color_counts *into, const ntp__color_counts *from, int32_t row,
+                          int32_t k1)
 {
-    for (int32_t row = 0; from->has_close && row < NTP__ROWS; row = next_close(row, most)) {
-        if (!any_close(from, row))
-            continue;
-        const uint32_t least = (uint32_t) from->row_blue[row] - NTP__CLOSE8_BELOW;
-        into->row_pair[row] = from->row_pair[row];
-        into->row_first[row] = from->row_first[row];
-        for (uint32_t blue = least; blue < least + NTP__CLOSE8_BLUES; blue++) {
-            const uint32_t *const close = from->close[ntp__close8_of((uint32_t) row, blue)];
-            const uint32_t count = close[0] + close[1] + close[2] + close[3]; /* less than 2^32 */
-            if (count > 0)
-                add_to_cell(into, (uint32_t) row, blue, count);
-        }
+    if (!any_close(from, row))
+        return;
+    define(into, row, k1);
+    const uint32_t least = (uint32_t) into->row_blue[row] - NTP__CLOSE8_BELOW;
+    for (uint32_t blue = least; blue < least + NTP__CLOSE8_BLUES; blue++) {
+        const uint32_t *const close = from->close[ntp__close8_of((uint32_t) row, blue)];
+        const uint32_t count = close[0] + close[1] + close[2] + close[3]; /* less than 2^32 */
+        if (count > 0)
+            add_to_cell(into, (uint32_t) row, blue, count);
     }
 }
 
-void ntp__take_close8(ntp__color_counts *t, int32_t most)
+/* Adds the close texels of `from`, whose magnitudes are at most `most`, to the cells of `into`, and notes their
+ * rows. */
+static void add_close(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
 {
-    add_close(t, t, most);
-    const int32_t rows = most < 126 ? (most + 1) * (most + 2) / 2 : NTP__CLOSE8_ROWS;
-    for (uint32_t i = 0; t->has_close && i < NTP__CLOSE8_BLUES; i++) {
+    if (!from->has_close)
+        return;
+    for (int32_t k1 = 0, row = 0; k1 <= most && k1 < K - 1; k1++) {
+        for (; row < first_of(k1 + 1); row++)
+            add_close_row(into, from, row, k1);
+    }
+    for (int32_t row = NTP__ROWS - NTP__FLAT_ROWS; row < NTP__ROWS; row++)
+        add_close_row(into, from, row, 0);
+}
+
+static void clear_close(ntp__color_counts *t, int32_t most)
+{
+    const int32_t rows = most < K - 1 ? first_of(most + 1) : NTP__CLOSE8_ROWS;
+    if (!t->has_close)
+        return;
+    for (uint32_t i = 0; i < NTP__CLOSE8_BLUES; i++) {
         memset(t->close[ntp__close8_of(0, i)], 0, (size_t) rows * sizeof t->close[0]);
         memset(t->close[ntp__close8_of(NTP__ROWS - NTP__FLAT_ROWS, i)], 0,
                NTP__FLAT_ROWS * sizeof t->close[0]);
@@ -215,11 +239,24 @@ static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32
     }
 }
 
+/* Kernels note rows by their numbers. */
+static void define_noted(ntp__color_counts *t)
+{
+    int32_t k1 = 0;
+    for (int32_t row = 0; (row = ntp__next_row(t->at.row_seen, row)) < NTP__ROWS; row++) {
+        while (k1 < K - 1 && first_of(k1 + 1) <= row)
+            k1++;
+        define(t, row, k1);
+    }
+}
+
 void ntp__note_rows(ntp__color_counts *t, int32_t most)
 {
     find_rows(t->at.row_seen, t, most);
     t->unnoted = 0;
-    ntp__take_close8(t, most);
+    define_noted(t);
+    add_close(t, t, most);
+    clear_close(t, most);
 }
 
 void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, int32_t most)
@@ -236,8 +273,6 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, in
             ntp__count_far(&into->at, (uint32_t) i, from->at.far[i]);
         if (seen[row] & NTP__SEEN_CARRIED)
             ntp__merge_counts(&into->at.carried[first], &from->at.carried[first], 256);
-        into->row_pair[row] = from->row_pair[row];
-        into->row_first[row] = from->row_first[row];
     }
     add_close(into, from, most);
 }
@@ -245,7 +280,9 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, in
 void ntp__clear_cells(ntp__color_counts *t, int32_t most)
 {
     uint8_t *const seen = t->at.row_seen;
-    ntp__note_rows(t, most);
+    find_rows(seen, t, most);
+    t->unnoted = 0;
+    clear_close(t, most);
     for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
         memset(&t->at.near[row * NTP__NEAR], 0, NTP__NEAR * sizeof t->at.near[0]);
         for (int32_t i = 0; i < 256; i += NTP__QUARTER) {

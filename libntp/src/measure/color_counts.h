@@ -33,7 +33,7 @@ typedef struct ntp__color_counts {
     uint64_t far_texels;          /* that were counted by look-ups, ever */
     uint32_t mostly_far;          /* the next texels are to be counted by count_cells */
     uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry; when rows_ready */
-    uint16_t row_pair[NTP__ROWS]; /* of a row seen: some r | g << 8 of it, r, g >= 128 */
+    uint16_t row_pair[NTP__ROWS]; /* some r | g << 8 of it, r, g >= 128; 0: not defined */
     uint8_t row_first[NTP__ROWS]; /* the blue of its first near cell */
     uint8_t row_blue[NTP__ROWS];  /* the derived blue; 0: too long */
     ntp__close8_counts close;     /* texels that are not in the cells yet */
@@ -112,11 +112,8 @@ static inline int32_t ntp__steepest(int32_t least, int32_t greatest)
     return a > b ? a : b;
 }
 
-/* Completes row_seen and the cells.  `most`: no magnitude of a color is greater. */
+/* Completes row_seen and the cells, and defines their rows.  `most`: no magnitude of a color is greater. */
 void ntp__note_rows(ntp__color_counts *counts, int32_t most);
-
-/* Puts `close` into the cells.  The same holds for its colors. */
-void ntp__take_close8(ntp__color_counts *counts, int32_t most);
 
 /* The same holds for colors of `from`. */
 void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, int32_t most);

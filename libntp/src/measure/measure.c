@@ -129,6 +129,14 @@ static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
         count_far(t, entry, b);
 }
 
+/* Before the first texels that are counted by count_cell or count_color, which note no rows. */
+static inline void begin_look_ups(ntp_tally *t)
+{
+    if (!t->cells.rows_ready)
+        ntp__rows_prepare(&t->cells);
+    t->cells.unnoted = 1;
+}
+
 /* Counts like count_cell, and notes the row. */
 static void count_noted(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
@@ -151,8 +159,7 @@ static void count_narrow(ntp_tally *t, int32_t r, int32_t g, int32_t b)
         count_noted(t, r, g, b);
         return;
     }
-    if (!t->cells.rows_ready)
-        ntp__rows_prepare(&t->cells);
+    begin_look_ups(t);
     count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
 }
 
@@ -452,11 +459,7 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     NTP__TRY(ntp__check_area(&rect, src, area));
     uint64_t width = (uint64_t) (rect.x1 - rect.x0), height = (uint64_t) (rect.y1 - rect.y0);
     NTP__TRY(adopt(tally, src, touch_unused, width * height));
-    const uint64_t narrow = tally->narrow;
     tally->cells.few = !tally->cells.unnoted && tally->texels + width * height <= NTP__FEW;
-    /* Most textures of 16 bit have no use for these, and pictures never do. */
-    if (!tally->cells.few && tally->depth == 8 && src->encoding != NTP_ENCODING_HEIGHT)
-        ntp__rows_prepare(&tally->cells);
     tally->summed = 0;
     waiting left;
     left.n = left.noise = 0;
@@ -472,7 +475,6 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     end_survey(tally, &close);
     end_waiting(tally, &left);
     end_alpha(tally, &alpha);
-    tally->cells.unnoted |= !tally->cells.few && tally->narrow > narrow;
     tally->texels += width * height;
     return NTP_OK;
 }

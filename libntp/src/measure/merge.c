@@ -232,6 +232,6 @@ ntp_status ntp_tally_clear(ntp_tally *t)
     ntp__clear_sums(&t->transparent_narrow);
     if (t->wide_flat > 0)
         memset(t->wide_flat_seen, 0, sizeof t->wide_flat_seen);
-    memset(t, 0, offsetof(ntp_tally, cells));
+    memset(t, 0, offsetof(ntp_tally, linear_square));
     return NTP_OK;
 }

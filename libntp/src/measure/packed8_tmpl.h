@@ -190,6 +190,8 @@ static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n, size_t a
     const uint64_t far = t->cells.far_texels;
     const int32_t all = n;
     const uint32_t *row_of = t->cells.row_of;
+    if (n > 0)
+        begin_look_ups(t);
     for (; n >= GROUP; n -= GROUP) {
         if (are_far(t, far, all - n)) {
             ntp__found8 found = { 0 };
@@ -406,6 +408,8 @@ static void count_rgba8(ntp_tally *t, close_counts *close, alpha_counts *c, cons
         const int32_t done = count_close(t, close, &next, p, n, 4, row);
         t->cells.mostly_far &= done == 0;
         t->alpha[255] += (uint32_t) (done - part->others);
+        if (part->others + next > 0)
+            begin_look_ups(t);
         for (int32_t i = 0; i < part->others; i++)
             count_one_rgba8(t, c, p + 4 * part->left[i], 1);
         p += 4 * done;

@@ -30,13 +30,15 @@
 #include "base/view.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 enum {
     NTP__PAIR_RUN = 32,   /* reds of a green whose pairs lie side by side */
     NTP__PAIR_GROUP = 64, /* pairs that are noted together: of two greens */
     NTP__PAIR_TEXEL =
-        1 << 20 /* in `pairs`: the blues of 4096 texels, which it may hold, are less */
+        1 << 20, /* in `pairs`: the blues of 4096 texels, which it may hold, are less */
+    NTP__LARGE_PAGE = 2 << 20
 };
 
 typedef struct ntp__channel_sums {
@@ -73,27 +75,38 @@ struct ntp_tally {
     uint64_t wide_flat, narrow;       /* used texels: flat ones of 16 bit; those in the cells */
     uint32_t summed, summed_encoding; /* are `used` and `unused` up to date, and angles for what? */
 
-    ntp__color_counts cells; /* used texels only */
     /* By level of 8 bit, decoded from sRGB to L of 16 bit: ((2L - M)^2 - 1) / 4, a whole number below 2^30.
      * The first one is 0 as long as these are not worked out. */
     uint32_t linear_square[256];
-    /* ntp_tally_summarize makes these from all the rest.  They are kept until the tally changes. */
-    uint64_t blues[256];    /* texels of the cells by blue */
-    ntp__sums used, unused; /* `used` where any is in the cells: see ntp__used */
 
-    /* Well-formed textures of 8 bit need nothing from here on, so these pages stay untouched. */
-    uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
-    ntp__sums wide;
-    ntp__close_counts close; /* texels of `wide` */
+    /* All that a well-formed texture of 16 bit needs: with the above, a large page. */
     uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
     /* Pairs of sampled rows: texels and the sum of their blues in one number (ntp__pair_place, NTP__PAIR_TEXEL),
      * and if pairs_full is set, more of them. */
     uint32_t pairs_full, pairs[65536];
+    ntp__close_counts close; /* texels of `wide` */
+    ntp__sums wide;
+
+    /* Used texels only.  One of 8 bit needs the first of them, to the end of the next large page. */
+    ntp__color_counts cells;
+    /* ntp_tally_summarize makes these from all the rest.  They are kept until the tally changes. */
+    uint64_t blues[256];    /* texels of the cells by blue */
+    ntp__sums used, unused; /* `used` where any is in the cells: see ntp__used */
+
+    /* Well-formed textures need nothing from here on, so these pages stay untouched. */
+    uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
     uint32_t pair_texels[65536];
     uint64_t pair_blue[65536];
     ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
     ntp__far_counts far;                            /* texels of `wide`, as those in `close` */
 };
+
+/* A caller may put one large page under the counts of the depth it has, if memory begins with one: where
+ * those of harm begin at the end of `wide`, and the far cells, it may end. */
+_Static_assert(offsetof(ntp_tally, wide.harm) <= NTP__LARGE_PAGE &&
+                   offsetof(ntp_tally, cells) >= NTP__LARGE_PAGE &&
+                   offsetof(ntp_tally, cells.at.far) <= 2 * NTP__LARGE_PAGE,
+               "");
 
 /* The place of red and green, rounded to 8 bit.  Slopes lie in a disc, so a page holds 32 reds of 32
  * greens: in a small texture few pages are touched. */

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_tallies.c - a texture has the same facts in whatever way its texels come into a tally
+ *
+ * All at once; texel by texel, as those of views that are not packed; in parts, with facts asked for in between;
+ * in tallies that are merged into one that is empty or not, some of so few texels that these are counted in
+ * another way; and in a tally that was cleared.  Tallies are fresh but for the last one.
+ */
+#include "guarded.h"
+#include "libntp.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { W = 256, H = 100, FEW_ROWS = 9, KINDS = 4, WAYS = 6 };
+
+typedef enum kind { CLEAN, SOME_FAR, NOISE, BANDS } kind;
+
+typedef struct facts {
+    ntp_stats stats[2];
+    ntp_harm harm;
+    ntp_classification type;
+    uint64_t levels_off[256];
+} facts;
+
+static uint8_t pixels[W * H * 4], apart[W * H * 5];
+
+static uint8_t level(double v)
+{
+    return (uint8_t) (127.5 + 127.5 * v + 0.5);
+}
+
+static void draw_clean(uint8_t *p, int32_t x, int32_t y)
+{
+    const double a = 0.65 * sin(0.11 * x + 0.05 * y), b = 0.6 * cos(0.07 * y);
+    p[0] = level(a);
+    p[1] = level(b);
+    p[2] = level(sqrt(1 - a * a - b * b));
+}
+
+static bool is_noise(kind k, int32_t y)
+{
+    return k == NOISE || (k == BANDS && y / 20 % 2 != 0);
+}
+
+static void draw(kind k, int32_t channels, uint64_t *seed)
+{
+    for (int32_t i = 0; i < W * H; i++) {
+        uint8_t *const p = pixels + i * channels;
+        const uint32_t any = random_bits(seed);
+        draw_clean(p, i % W, i / W);
+        for (int32_t c = 0; is_noise(k, i / W) && c < 3; c++)
+            p[c] = (uint8_t) random_bits(seed);
+        if (k == SOME_FAR && any % 37 == 0)
+            p[2] = (uint8_t) (any >> 8);
+        if (k != CLEAN && any % 41 == 0) /* gray; black and white are unused */
+            p[0] = p[1] = p[2] = (uint8_t) (any >> 9 & 1 ? any >> 16 : 0 - (any >> 10 & 1));
+        if (channels == 4)
+            p[3] = k == CLEAN || any % 11 != 0 ? 255 : (uint8_t) (any >> 20 & 3);
+    }
+}
+
+static ntp_const_image view_of(int32_t channels, bool packed)
+{
+    ntp_image view = ntp_image_packed(packed ? pixels : apart, W, H, channels, NTP_TYPE_U8);
+    for (int32_t i = 0; !packed && i < W * H; i++)
+        memcpy(apart + i * (channels + 1), pixels + i * channels, (size_t) channels);
+    if (!packed) {
+        view.pixel_stride = channels + 1;
+        view.row_stride = W * (channels + 1);
+    }
+    return ntp_image_as_const(&view);
+}
+
+static ntp_tally *fresh(void)
+{
+    ntp_tally *const tally = calloc(1, ntp_tally_size());
+    CHECK(tally != NULL);
+    return tally;
+}
+
+static void add(ntp_tally *tally, const ntp_const_image *view, int32_t y0, int32_t y1)
+{
+    const ntp_rect area = { 0, y0, W, y1 };
+    CHECK(ntp_tally_add(tally, view, 0, &area) == NTP_OK);
+}
+
+static void ask(facts *f, ntp_tally *tally)
+{
+    memset(f, 0, sizeof *f);
+    CHECK(ntp_tally_summarize(&f->stats[1], tally, NTP_ENCODING_ZZERO) == NTP_OK);
+    CHECK(ntp_tally_summarize(&f->stats[0], tally, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_harm(&f->harm, tally, NTP_ENCODING_STANDARD, NTP_HARM_ALL, 5) == NTP_OK);
+    CHECK(ntp_tally_levels_off(f->levels_off, 256, tally, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_classify(&f->type, tally) == NTP_OK);
+}
+
+/* Rows of one tally after those of another, which may have none. */
+static void add_merged(ntp_tally *tally, const ntp_const_image *view, int32_t first, int32_t part)
+{
+    add(tally, view, 0, first > 0 ? first : 1);
+    for (int32_t y = first > 0 ? first : 1; y < H; y += part) {
+        ntp_tally *const other = fresh();
+        add(other, view, y, y + part < H ? y + part : H);
+        CHECK(ntp_tally_merge(tally, other) == NTP_OK);
+        free(other);
+    }
+}
+
+static void measure(facts *f, int32_t way, int32_t channels)
+{
+    const ntp_const_image view = view_of(channels, way != 0);
+    ntp_tally *tally = fresh();
+    switch (way) {
+    case 2: /* asked in between */
+        add(tally, &view, 0, H / 3);
+        ask(f, tally);
+        add(tally, &view, H / 3, H);
+        break;
+    case 3:
+        add_merged(tally, &view, 0, H / 2);
+        break;
+    case 4: /* few texels each */
+        add_merged(tally, &view, H / 2, FEW_ROWS);
+        break;
+    case 5: /* cleared, with others and without that they were asked for */
+        add(tally, &view, H / 4, H);
+        ask(f, tally);
+        CHECK(ntp_tally_clear(tally) == NTP_OK);
+        add(tally, &view, H / 2, H / 2 + FEW_ROWS);
+        add(tally, &view, 0, H);
+        CHECK(ntp_tally_clear(tally) == NTP_OK);
+        add(tally, &view, 0, H);
+        break;
+    default: /* 0: not packed */
+        add(tally, &view, 0, H);
+    }
+    ask(f, tally);
+    free(tally);
+}
+
+int main(void)
+{
+    static facts want, found;
+    uint64_t seed = 39;
+    for (int32_t channels = 3; channels <= 4; channels++) {
+        for (int32_t k = 0; k < KINDS; k++) {
+            draw((kind) k, channels, &seed);
+            measure(&want, 0, channels);
+            CHECK(want.stats[0].texels == W * H);
+            for (int32_t way = 1; way < WAYS; way++) {
+                measure(&found, way, channels);
+                CHECK(memcmp(&found.stats, &want.stats, sizeof want.stats) == 0);
+                CHECK(memcmp(&found.harm, &want.harm, sizeof want.harm) == 0);
+                CHECK(memcmp(&found.type, &want.type, sizeof want.type) == 0);
+                CHECK(memcmp(found.levels_off, want.levels_off, sizeof want.levels_off) == 0);
+            }
+        }
+    }
+    return 0;
+}
