@@ -73,6 +73,8 @@ uint32_t ntp__find_row(ntp__color_counts *t, int32_t r, int32_t g)
     int32_t k1 = a > b ? a : b, k2 = a > b ? b : a, row = k1 * (k1 + 1) / 2 + k2;
     if (k1 == 0)
         row = NTP__ROWS - NTP__FLAT_ROWS + (r - (K - 1)) + 2 * (g - (K - 1));
+    if (t->row_pair[row] != 0)
+        return ntp__entry((uint32_t) row, t->row_first[row]);
     int64_t rest = ntp__rest(r, g, 255);
     return define_row(t, (uint32_t) row, k1, k2,
                       rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
@@ -239,7 +241,6 @@ static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32
     }
 }
 
-/* Kernels note rows by their numbers. */
 static void define_noted(ntp__color_counts *t)
 {
     int32_t k1 = 0;
@@ -254,7 +255,9 @@ void ntp__note_rows(ntp__color_counts *t, int32_t most)
 {
     find_rows(t->at.row_seen, t, most);
     t->unnoted = 0;
-    define_noted(t);
+    if (t->undefined)
+        define_noted(t);
+    t->undefined = 0;
     add_close(t, t, most);
     clear_close(t, most);
 }
@@ -265,6 +268,7 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, in
     memcpy(seen, from->at.row_seen, sizeof seen);
     find_rows(seen, from, most);
     into->grouped |= from->grouped;
+    into->undefined = 1;
     for (int32_t row = 0; (row = ntp__next_row(seen, row)) < NTP__ROWS; row++) {
         const int32_t near = row * NTP__NEAR, first = row * NTP__ROW_CELLS;
         ntp__merge_counts(&into->at.near[near], &from->at.near[near], NTP__NEAR);

@@ -29,6 +29,7 @@ typedef struct ntp__color_counts {
     uint32_t rows_ready;
     uint32_t few;                 /* few texels are being measured: their rows are noted */
     uint32_t unnoted;             /* some rows with near cells are not in row_seen */
+    uint32_t undefined;           /* some rows in row_seen are not defined */
     uint32_t grouped;             /* many are far from exact, so rows may be dense */
     uint64_t far_texels;          /* that were counted by look-ups, ever */
     uint32_t mostly_far;          /* the next texels are to be counted by count_cells */
@@ -44,7 +45,7 @@ typedef struct ntp__color_counts {
 /* Fills row_of, once. */
 void ntp__rows_prepare(ntp__color_counts *counts);
 
-/* The entry of row_of for one pair, worked out without that table. */
+/* The entry of row_of for one pair, without that table. */
 uint32_t ntp__find_row(ntp__color_counts *counts, int32_t r, int32_t g);
 
 /* An entry of row_of: where the near cells of its row begin, and the blue of the first. */

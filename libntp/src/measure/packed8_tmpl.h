@@ -235,6 +235,7 @@ static uint64_t count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *pa
                            const uint8_t *p)
 {
     uint64_t unused = 0;
+    t->cells.undefined |= part->others + part->colors > 0; /* only their numbers are known */
     for (int32_t i = 0; i < part->others; i++) {
         const uint8_t *const q = p + 3 * part->left[i];
         const uint32_t row = part->row[part->left[i]];
