@@ -348,8 +348,8 @@ NTP_API ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
  * what is touched.  A clean texture of any size takes up to 1 MB (16 bit: 0.7 MB), a damaged one of
  * 8 bit about 3.5 MB, noise 4 MB, and up to 12 MB where many of its colors are frequent.  A cleared
  * tally keeps what it has touched.
- * Nearly all that a clean texture touches is in the first 2 MiB (16 bit), or in the next two (8 bit): where
- * memory begins at a multiple of 2 MiB, one large page is cheaper than their page faults.
+ * Nearly all that a clean texture touches is in the first 2 MiB (8 bit), or in the 2 MiB from 14 MiB on (16 bit):
+ * where memory begins at a multiple of 2 MiB, one large page may be cheaper than their page faults.
  */
 typedef struct ntp_tally ntp_tally;
 

@@ -79,7 +79,11 @@ struct ntp_tally {
      * The first one is 0 as long as these are not worked out. */
     uint32_t linear_square[256];
 
-    /* All that a well-formed texture of 16 bit needs: with the above, a large page. */
+    ntp__color_counts
+        cells; /* used texels only; where most are close, the far ones stay untouched */
+
+    ntp__sums transparent_wide; /* judged at 16 bit */
+    /* Well-formed textures of 16 bit need what follows, up to `harm` of `wide`. */
     uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
     /* Pairs of sampled rows: texels and the sum of their blues in one number (ntp__pair_place, NTP__PAIR_TEXEL),
      * and if pairs_full is set, more of them. */
@@ -87,8 +91,6 @@ struct ntp_tally {
     ntp__close_counts close; /* texels of `wide` */
     ntp__sums wide;
 
-    /* Used texels only.  One of 8 bit needs the first of them, to the end of the next large page. */
-    ntp__color_counts cells;
     /* ntp_tally_summarize makes these from all the rest.  They are kept until the tally changes. */
     uint64_t blues[256];    /* texels of the cells by blue */
     ntp__sums used, unused; /* `used` where any is in the cells: see ntp__used */
@@ -97,15 +99,14 @@ struct ntp_tally {
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
     uint32_t pair_texels[65536];
     uint64_t pair_blue[65536];
-    ntp__sums transparent_wide, transparent_narrow; /* judged at 16 and at 8 bit */
-    ntp__far_counts far;                            /* texels of `wide`, as those in `close` */
+    ntp__sums transparent_narrow; /* judged at 8 bit */
+    ntp__far_counts far;          /* texels of `wide`, as those in `close` */
 };
 
-/* A caller may put one large page under the counts of the depth it has, if memory begins with one: where
- * those of harm begin at the end of `wide`, and the far cells, it may end. */
-_Static_assert(offsetof(ntp_tally, wide.harm) <= NTP__LARGE_PAGE &&
-                   offsetof(ntp_tally, cells) >= NTP__LARGE_PAGE &&
-                   offsetof(ntp_tally, cells.at.far) <= 2 * NTP__LARGE_PAGE,
+/* A caller may put one large page under the counts of the depth it has (libntp.h, ntp_tally_size). */
+_Static_assert(offsetof(ntp_tally, cells.at.far) <= NTP__LARGE_PAGE &&
+                   offsetof(ntp_tally, pair_seen) >= 7 * NTP__LARGE_PAGE &&
+                   offsetof(ntp_tally, wide.harm) <= 8 * NTP__LARGE_PAGE,
                "");
 
 /* The place of red and green, rounded to 8 bit.  Slopes lie in a disc, so a page holds 32 reds of 32
