@@ -60,7 +60,7 @@ static int32_t add_colors(int32_t row, bool dense)
         far += counts.at.far[row * NTP__ROW_CELLS + b] != 0;
     const int32_t n = ntp__row_cells(&cells, &counts, row);
     for (int32_t i = 0; dense && i < n; i++) {
-        const int32_t c[] = { counts.row_pair[row] & 255, counts.row_pair[row] >> 8,
+        const int32_t c[] = { counts.row[row].pair & 255, counts.row[row].pair >> 8,
                               cells.blue[i] };
         blues[1][cells.blue[i]] += cells.count[i];
         ntp__put_color(&colors, &batch, c, cells.count[i], 255, NTP_ENCODING_STANDARD);

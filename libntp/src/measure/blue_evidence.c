@@ -105,7 +105,7 @@ static void add_cells(blue_sums *into, const ntp_tally *t)
     ntp__cells cells;
     blue_sums sums = { 0 }; /* in registers */
     for (int32_t i = 0; (i = ntp__next_row(t->cells.at.row_seen, i)) < NTP__ROWS; i++) {
-        int64_t rest = ntp__rest(t->cells.row_pair[i] & 255, t->cells.row_pair[i] >> 8, 255);
+        int64_t rest = ntp__rest(t->cells.row[i].pair & 255, t->cells.row[i].pair >> 8, 255);
         if (rest < 0)
             continue;
         blue_row row = row_of(sqrt((double) rest) / 255);

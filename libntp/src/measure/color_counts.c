@@ -33,9 +33,8 @@ enum { K = 128 }; /* magnitudes: |X| = 2k + 1 for k = r - 128 or 127 - r */
 static uint32_t define_row(ntp__color_counts *t, uint32_t row, int32_t k1, int32_t k2, int32_t want)
 {
     uint32_t first = first_near(k1, k2, want < 0 ? K : want);
-    t->row_pair[row] = (uint16_t) ((K + k1) | (K + k2) << 8);
-    t->row_first[row] = (uint8_t) first;
-    t->row_blue[row] = (uint8_t) (want < 0 ? 0 : want);
+    t->row[row] = (ntp__color_row) { (uint16_t) ((K + k1) | (K + k2) << 8), (uint8_t) first,
+                                     (uint8_t) (want < 0 ? 0 : want) };
     return ntp__entry(row, first);
 }
 
@@ -73,8 +72,8 @@ uint32_t ntp__find_row(ntp__color_counts *t, int32_t r, int32_t g)
     int32_t k1 = a > b ? a : b, k2 = a > b ? b : a, row = k1 * (k1 + 1) / 2 + k2;
     if (k1 == 0)
         row = NTP__ROWS - NTP__FLAT_ROWS + (r - (K - 1)) + 2 * (g - (K - 1));
-    if (t->row_pair[row] != 0)
-        return ntp__entry((uint32_t) row, t->row_first[row]);
+    if (t->row[row].pair != 0)
+        return ntp__entry((uint32_t) row, t->row[row].first);
     int64_t rest = ntp__rest(r, g, 255);
     return define_row(t, (uint32_t) row, k1, k2,
                       rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
@@ -103,7 +102,7 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
     const uint32_t *const near = &t->at.near[row * NTP__NEAR];
     const uint8_t *const far = &t->at.far[row * NTP__ROW_CELLS];
     const uint32_t *const carried = &t->at.carried[row * NTP__ROW_CELLS];
-    const int32_t first = t->row_first[row], seen = t->at.row_seen[row];
+    const int32_t first = t->row[row].first, seen = t->at.row_seen[row];
     const uint64_t any_near = ntp__in_use16(near);
     int32_t n = 0;
     if (seen == NTP__SEEN_NEAR) {
@@ -161,7 +160,7 @@ static inline bool any_close(const ntp__color_counts *t, int32_t row)
 static void add_to_cell(ntp__color_counts *t, uint32_t row, uint32_t blue, uint32_t count)
 {
     enum { MOST = 256 };
-    const uint32_t place = blue - t->row_first[row];
+    const uint32_t place = blue - t->row[row].first;
     t->at.row_seen[row] |= place < NTP__NEAR ? NTP__SEEN_NEAR : NTP__SEEN_QUARTERS;
     if (place < NTP__NEAR) {
         t->at.near[row * NTP__NEAR + place] += count;
@@ -176,7 +175,7 @@ static void add_to_cell(ntp__color_counts *t, uint32_t row, uint32_t blue, uint3
 static void define(ntp__color_counts *t, int32_t row, int32_t k1)
 {
     const int32_t flat = row - (NTP__ROWS - NTP__FLAT_ROWS);
-    if (t->row_pair[row] != 0)
+    if (t->row[row].pair != 0)
         return;
     if (flat >= 0)
         ntp__find_row(t, K - 1 + (flat & 1), K - 1 + (flat >> 1));
@@ -190,7 +189,7 @@ static void add_close_row(ntp__color_counts *into, const ntp__color_counts *from
     if (!any_close(from, row))
         return;
     define(into, row, k1);
-    const uint32_t least = (uint32_t) into->row_blue[row] - NTP__CLOSE8_BELOW;
+    const uint32_t least = (uint32_t) into->row[row].blue - NTP__CLOSE8_BELOW;
     for (uint32_t blue = least; blue < least + NTP__CLOSE8_BLUES; blue++) {
         const uint32_t *const close = from->close[ntp__close8_of((uint32_t) row, blue)];
         const uint32_t count = close[0] + close[1] + close[2] + close[3]; /* less than 2^32 */

@@ -25,21 +25,25 @@
 
 enum { NTP__FEW = 4096 }; /* up to so many texels it pays to note the row of each */
 
+typedef struct ntp__color_row {
+    uint16_t pair; /* some r | g << 8 of the row, r, g >= 128; 0: it is not defined */
+    uint8_t first; /* the blue of its first near cell */
+    uint8_t blue;  /* the derived blue; 0: too long */
+} ntp__color_row;
+
 typedef struct ntp__color_counts {
     uint32_t rows_ready;
-    uint32_t few;                 /* few texels are being measured: their rows are noted */
-    uint32_t unnoted;             /* some rows with near cells are not in row_seen */
-    uint32_t undefined;           /* some rows in row_seen are not defined */
-    uint32_t grouped;             /* many are far from exact, so rows may be dense */
-    uint64_t far_texels;          /* that were counted by look-ups, ever */
-    uint32_t mostly_far;          /* the next texels are to be counted by count_cells */
-    uint32_t row_of[65536];       /* by r | g << 8: see ntp__entry; when rows_ready */
-    uint16_t row_pair[NTP__ROWS]; /* some r | g << 8 of it, r, g >= 128; 0: not defined */
-    uint8_t row_first[NTP__ROWS]; /* the blue of its first near cell */
-    uint8_t row_blue[NTP__ROWS];  /* the derived blue; 0: too long */
-    ntp__close8_counts close;     /* texels that are not in the cells yet */
-    uint32_t has_close;           /* some are there */
-    ntp__cell_counts at;          /* in well-formed textures, most of its pages stay untouched */
+    uint32_t few;           /* few texels are being measured: their rows are noted */
+    uint32_t unnoted;       /* some rows with near cells are not in row_seen */
+    uint32_t undefined;     /* some rows in row_seen are not defined */
+    uint32_t grouped;       /* many are far from exact, so rows may be dense */
+    uint64_t far_texels;    /* that were counted by look-ups, ever */
+    uint32_t mostly_far;    /* the next texels are to be counted by count_cells */
+    uint32_t row_of[65536]; /* by r | g << 8: see ntp__entry; when rows_ready */
+    ntp__color_row row[NTP__ROWS];
+    ntp__close8_counts close; /* texels that are not in the cells yet */
+    uint32_t has_close;       /* some are there */
+    ntp__cell_counts at;      /* in well-formed textures, most of its pages stay untouched */
 } ntp__color_counts;
 
 /* Fills row_of, once. */

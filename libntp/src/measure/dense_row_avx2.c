@@ -435,13 +435,13 @@ ONE_COPY static void read_row(uint32_t count[256], const ntp__color_counts *coun
         count[b] = far[b];
     for (int32_t b = 0; counts->at.row_seen[row] & NTP__SEEN_CARRIED && b < 256; b++)
         count[b] += carried[b] << 8;
-    ntp__merge_counts(count + counts->row_first[row], &counts->at.near[row * NTP__NEAR], NTP__NEAR);
+    ntp__merge_counts(count + counts->row[row].first, &counts->at.near[row * NTP__NEAR], NTP__NEAR);
 }
 
 bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts,
                              int32_t row)
 {
-    const int32_t pair = counts->row_pair[row];
+    const int32_t pair = counts->row[row].pair;
     dense_row d;
     places p;
     if (!is_dense(&counts->at.far[row * NTP__ROW_CELLS]))

@@ -16,7 +16,7 @@ static void add_row(ntp_tally *t, ntp__color_batch *batch, int32_t row, int32_t 
 {
     ntp__cells cells;
     const int32_t by = m / 255;
-    const int32_t r = (t->cells.row_pair[row] & 255) * by, g = (t->cells.row_pair[row] >> 8) * by;
+    const int32_t r = (t->cells.row[row].pair & 255) * by, g = (t->cells.row[row].pair >> 8) * by;
     const int32_t n = ntp__row_cells(&cells, &t->cells, row);
     for (int32_t done = 0, end; done < n; done = end) {
         int32_t at = batch->n;
@@ -76,9 +76,9 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
     if (t->summed && t->summed_encoding == (uint32_t) encoding)
         return NTP_OK;
     const ntp__sums *transparent = m == 255 ? &t->transparent_narrow : &t->transparent_wide;
+    memset(t->blues, 0, sizeof t->blues); /* first: a page that is read before takes two faults */
     ntp__clear_sums(&t->used);
     ntp__clear_sums(&t->unused);
-    memset(t->blues, 0, sizeof t->blues);
     if (!picture) {
         if (t->wide.texels > 0) {
             ntp__take_close(&t->wide, &t->close);
