@@ -13,6 +13,19 @@
 
 enum { NO_FLOWS = -2 };
 
+/* ONE_COPY: for a loop over a row, which gains nothing from a copy for each caller.  SELDOM: for what is
+ * done at the ends of rows, and for the residual, which is made a few times in each solution. */
+#if defined(__GNUC__) && !defined(__clang__)
+#  define ONE_COPY __attribute__((noinline, noclone))
+#  define SELDOM   __attribute__((noinline, cold))
+#elif defined(__GNUC__)
+#  define ONE_COPY __attribute__((noinline))
+#  define SELDOM   __attribute__((noinline, cold))
+#else
+#  define ONE_COPY
+#  define SELDOM
+#endif
+
 /* ------------------------------------------------------------------------ rows of slopes */
 
 /* The place of the stored slopes of row y. */
@@ -24,7 +37,7 @@ static int32_t stored_row(const ntp__weighted *w, ntp__weighted_part *part, int3
     return k;
 }
 
-static void weigh(double *slope, const double *stored, const float *weight, int32_t n)
+ONE_COPY static void weigh(double *slope, const double *stored, const float *weight, int32_t n)
 {
     for (int32_t x = 0; x < n; x++) {
         double v = stored != NULL ? stored[x] - slope[x] : slope[x];
@@ -52,8 +65,9 @@ static int32_t weighted_row(const ntp__weighted *w, ntp__weighted_part *part, in
 }
 
 /* out += row y of the adjoint of (x line of y line), applied to the slopes to the right or down. */
-static void add_slopes(const ntp__weighted *w, ntp__weighted_part *part, double *out, int32_t y,
-                       const ntp__line *along_rows, const ntp__line *along_columns, bool right)
+ONE_COPY static void add_slopes(const ntp__weighted *w, ntp__weighted_part *part, double *out,
+                                int32_t y, const ntp__line *along_rows,
+                                const ntp__line *along_columns, bool right)
 {
     ntp__line_terms terms;
     double *mixed = along_rows->identity ? out : part->spare[1];
@@ -104,9 +118,9 @@ static void neighborhood(float weight[4], double slope[4], const float *weights,
 }
 
 /* The flows of pairs h[i], next[i].  There are no branches, as most of the time is spent here. */
-static void multiply_pairs(const ntp__weighted *w, double *restrict flow,
-                           const float *const near[4], const double *restrict h,
-                           const double *restrict next, int32_t n)
+ONE_COPY static void multiply_pairs(const ntp__weighted *w, double *restrict flow,
+                                    const float *const near[4], const double *restrict h,
+                                    const double *restrict next, int32_t n)
 {
     double strength = w->strength, alone = w->strength_alone;
     const float *before = near[0], *a = near[1], *b = near[2], *after = near[3];
@@ -117,8 +131,8 @@ static void multiply_pairs(const ntp__weighted *w, double *restrict flow,
     }
 }
 
-static double flow_at(const ntp__weighted *w, const float *weights, const double *slopes,
-                      const double *h, int32_t x, bool wrap)
+SELDOM static double flow_at(const ntp__weighted *w, const float *weights, const double *slopes,
+                             const double *h, int32_t x, bool wrap)
 {
     float weight[4];
     double slope[4];
@@ -157,6 +171,19 @@ static void add_pairs_of_row(const ntp__weighted *w, ntp__weighted_part *part, d
     out[0] += flow[n - 1];
 }
 
+/* The flows of the residual through the pairs of two rows. */
+SELDOM static void make_residual_flows(const ntp__weighted *w, double *flow,
+                                       const float *const near[4], const double *const slopes[4],
+                                       const double *h, const double *next)
+{
+    for (int32_t x = 0; x < w->width; x++) {
+        const float weight[4] = { near[0][x], near[1][x], near[2][x], near[3][x] };
+        const double slope[4] = { slopes[0][x], slopes[1][x], slopes[2][x], slopes[3][x] };
+        flow[x] = pair_weight(w, weight[0], weight[1], weight[2], weight[3]) *
+                  (pair_data(w, weight, slope) - (next[x] - h[x]));
+    }
+}
+
 /* Flows through the pairs of rows y and y + 1. */
 static void make_flows_below(const ntp__weighted *w, ntp__weighted_part *part, int32_t y)
 {
@@ -176,16 +203,10 @@ static void make_flows_below(const ntp__weighted *w, ntp__weighted_part *part, i
     const double *h = w->from + ntp__weighted_at(w, (y + n) % n);
     const double *next = w->from + ntp__weighted_at(w, (y + 1) % n);
     double *flow = part->spare[2];
-    if (!w->residual) {
+    if (w->residual)
+        make_residual_flows(w, flow, near, slopes, h, next);
+    else
         multiply_pairs(w, flow, near, h, next, w->width);
-        return;
-    }
-    for (int32_t x = 0; x < w->width; x++) {
-        float weight[4] = { near[0][x], near[1][x], near[2][x], near[3][x] };
-        double slope[4] = { slopes[0][x], slopes[1][x], slopes[2][x], slopes[3][x] };
-        flow[x] = pair_weight(w, weight[0], weight[1], weight[2], weight[3]) *
-                  (pair_data(w, weight, slope) - (next[x] - h[x]));
-    }
 }
 
 /* out += sign * the flows through the pairs of rows y and y + 1.  The flows are kept for the next
