@@ -4,11 +4,10 @@
  *
  * All colors, 16 in a row that differ in blue, then 16 of one color; their cells are worked out here
  * without tables.  Runs between guard pages, with black, white and translucent texels at any place, leave
- * those out of the cells that are unused, and end at the group of an unused one of alpha 0.  Counts that
- * are too great for a byte are carried.
+ * those out of the cells that are unused.  Counts that are too great for a byte are carried.
  *
  * Of all colors those with the derived blue are counted by their rows, and the others left, also in small
- * blocks of few kinds of colors.  With AVX-512 these have their sums and extremes.  A tally of many texels at
+ * blocks of few kinds of colors, with their sums and extremes.  A tally of many texels at
  * once has the sums of one that was made of narrow columns, which looks them up.  A gray picture has those of
  * one whose texels do not lie side by side.
  */
@@ -64,12 +63,11 @@ static void check_counts(void)
         CHECK(cells.near[i] == 0);
 }
 
-static uint32_t alpha[4][256];
-
 static void check_colors(const ntp__kernels_table *level, int32_t channels)
 {
     uint8_t row[256 * 4], even[STEP * 4];
-    ntp__found8 found = { .used = NTP__BLACK8, .alpha = alpha };
+    ntp__packed_survey survey = { .texels = 0 };
+    ntp__found8 found = { .used = NTP__BLACK8, .survey = &survey };
     uint64_t grays = 0;
     memset(&cells, 0, sizeof cells);
     memset(want, 0, sizeof want);
@@ -79,14 +77,14 @@ static void check_colors(const ntp__kernels_table *level, int32_t channels)
             put(row + channels * b, channels, r, g, b);
             want[first + b] += (r & g & b) != 255;
         }
-        CHECK(level->count_cells(&cells, &found, row, 256, channels) == 256);
+        CHECK(level->count_cells(&cells, &found, row, 256, channels, 0) == 256);
         const int32_t b = pair * 7 & 255;
         for (int32_t i = 0; i < STEP; i++)
             put(even + channels * i, channels, r, g, b);
         want[first + b] += (r & g & b) != 255 ? STEP : 0;
-        CHECK(level->count_cells(&cells, &found, even, STEP, channels) == STEP);
+        CHECK(level->count_cells(&cells, &found, even, STEP, channels, 0) == STEP);
         grays += r == g ? 1 + STEP * (b == r) : 0;
-        CHECK(found.gray == grays && found.black == 0 && found.in_disc == 0);
+        CHECK(found.gray == grays && found.black == 0);
         CHECK(found.white == (pair == 65535 ? 1 + (b == 255 ? STEP : 0) : 0));
     }
     check_counts();
@@ -97,7 +95,8 @@ static void check_many(const ntp__kernels_table *level, int32_t channels)
 {
     enum { TIMES = 1000 };
     uint8_t mixed[STEP * 4], even[STEP * 4];
-    ntp__found8 found = { .alpha = alpha };
+    ntp__packed_survey survey = { .texels = 0 };
+    ntp__found8 found = { .survey = &survey };
     memset(&cells, 0, sizeof cells);
     memset(want, 0, sizeof want);
     for (int32_t i = 0; i < STEP; i++) {
@@ -108,35 +107,60 @@ static void check_many(const ntp__kernels_table *level, int32_t channels)
     want[row_of(5, 200) * NTP__ROW_CELLS + 17] = TIMES * STEP / 2;
     want[row_of(128, 127) * NTP__ROW_CELLS + 255] = TIMES * STEP;
     for (int32_t i = 0; i < TIMES; i++) {
-        CHECK(level->count_cells(&cells, &found, mixed, STEP, channels) == STEP);
-        CHECK(level->count_cells(&cells, &found, even, STEP, channels) == STEP);
+        CHECK(level->count_cells(&cells, &found, mixed, STEP, channels, 0) == STEP);
+        CHECK(level->count_cells(&cells, &found, even, STEP, channels, 0) == STEP);
     }
     check_counts();
 }
 
-/* What count_cells has to find, texel by texel; returns of how many texels. */
-static int32_t look(ntp__found8 *to, const uint8_t *p, int32_t n, int32_t channels)
+/* Is a texel hidden by its alpha? */
+static bool is_hidden(const uint8_t *p, int32_t channels, bool hides)
 {
-    int32_t end = n;
-    for (int32_t i = 0; channels == 4 && !(to->used & NTP__CLEAR8) && i < end; i++)
-        end = p[4 * i + 3] == 0 ? i : end;
-    end = end / STEP * STEP;
-    for (int32_t i = 0; i < end; i++, p += channels) {
-        const int32_t a = channels == 4 ? p[3] : 255, x = 2 * a - 255, y = 2 * p[1] - 255;
+    return channels == 4 && hides && p[3] == 0;
+}
+
+/* What count_cells has to find, texel by texel. */
+static void look(ntp__found8 *to, const uint8_t *p, int32_t n, int32_t channels)
+{
+    for (int32_t i = 0; i < n; i++, p += channels) {
         const bool gray = p[0] == p[1] && p[1] == p[2];
         const bool black = gray && p[0] == 0 && !(to->used & NTP__BLACK8);
         const bool white = gray && p[0] == 255 && !(to->used & NTP__WHITE8);
+        if (is_hidden(p, channels, !(to->used & NTP__CLEAR8)))
+            continue;
         to->gray += gray;
         to->black += black;
         to->white += white;
-        if (channels == 4)
-            to->alpha[0][a]++;
-        if (black || white)
-            continue;
-        to->in_disc += a != 255 && x * x + y * y <= 255 * 255;
-        want[row_of(p[0], p[1]) * NTP__ROW_CELLS + p[2]]++;
+        if (!black && !white)
+            want[row_of(p[0], p[1]) * NTP__ROW_CELLS + p[2]]++;
     }
-    return end;
+}
+
+/* Is a survey that of n texels? */
+static void check_survey(const ntp__packed_survey *survey, const uint8_t *p, int32_t n,
+                         int32_t channels)
+{
+    bool translucent = false;
+    for (int32_t i = 0; channels == 4 && i < n; i++)
+        translucent |= p[4 * i + 3] != 255;
+    CHECK(survey->texels == (uint64_t) n);
+    CHECK(channels == 3 || (survey->translucent != 0) == translucent);
+    for (int32_t c = 0; c < 3; c++) {
+        uint64_t sum = 0;
+        uint8_t low = 255, high = 0, least = 255, greatest = 0;
+        for (int32_t i = 0; i < n; i++) {
+            const uint8_t v = p[channels * i + c];
+            sum += v;
+            low = v < low ? v : low;
+            high = v > high ? v : high;
+        }
+        for (int32_t i = c; i < 32 * 4; i += 4) {
+            const uint8_t up_to = (uint8_t) (255 - survey->extremes[0][i]);
+            least = up_to < least ? up_to : least;
+            greatest = survey->extremes[1][i] > greatest ? survey->extremes[1][i] : greatest;
+        }
+        CHECK(survey->sum[c] == sum && least == low && greatest == high);
+    }
 }
 
 static void fill_mixed(uint8_t *p, int32_t n, int32_t channels, uint64_t *seed)
@@ -155,21 +179,18 @@ static void fill_mixed(uint8_t *p, int32_t n, int32_t channels, uint64_t *seed)
 static void check_mixed(const ntp__kernels_table *level, int32_t n, int32_t channels,
                         uint64_t *seed)
 {
-    static uint32_t wanted[4][256];
     guarded src = guarded_alloc((size_t) n * (size_t) channels, random_bits(seed) & 1);
-    ntp__found8 found = { .alpha = alpha }, other = { .alpha = wanted };
-    memset(alpha, 0, sizeof alpha);
-    memset(wanted, 0, sizeof wanted);
+    ntp__packed_survey survey = { .texels = 0 };
+    ntp__found8 found = { .survey = &survey }, other = { .survey = NULL };
+    const int32_t whole = n / STEP * STEP;
     memset(&cells, 0, sizeof cells);
     memset(want, 0, sizeof want);
     fill_mixed(src.data, n, channels, seed);
     found.used = other.used = random_bits(seed) % 8;
-    const int32_t done = look(&other, src.data, n, channels);
-    CHECK(level->count_cells(&cells, &found, src.data, n, channels) == done);
-    CHECK(found.gray == other.gray && found.black == other.black);
-    CHECK(found.white == other.white && found.in_disc == other.in_disc);
-    for (int32_t i = 0; i < 256; i++)
-        CHECK(alpha[0][i] + alpha[1][i] + alpha[2][i] + alpha[3][i] == wanted[0][i]);
+    look(&other, src.data, whole, channels);
+    CHECK(level->count_cells(&cells, &found, src.data, n, channels, 64) == whole);
+    CHECK(found.gray == other.gray && found.black == other.black && found.white == other.white);
+    check_survey(&survey, src.data, whole, channels);
     check_counts();
     guarded_free(&src);
 }
@@ -221,23 +242,25 @@ static void check_close_counts(void)
 static void check_block(const ntp__close8_block *block, const uint8_t *texels, int32_t n,
                         int32_t channels)
 {
-    int32_t others = 0, colors = 0;
+    int32_t others = 0, colors = 0, hidden = 0;
     for (int32_t i = 0; i < n; i++) {
         const uint8_t *const p = texels + channels * i;
         const int32_t row = row_of(p[0], p[1]);
         CHECK(is_close(p[0], p[1], p[2]) || !is_exact(p[0], p[1], p[2]));
-        if (is_close(p[0], p[1], p[2]) && (channels == 3 || p[3] == 255)) {
+        if (is_hidden(p, channels, block->visible != 0)) {
+            hidden++;
+        } else if (is_close(p[0], p[1], p[2])) {
             close_texels[row][p[2]]++;
         } else if (others < block->others && block->left[others] == i) {
             CHECK(block->row[i] == row);
             others++;
         } else {
-            CHECK(channels == 3 && (p[0] != p[1] || p[1] != p[2]));
+            CHECK(p[0] != p[1] || p[1] != p[2]);
             CHECK(colors < block->colors);
             CHECK(block->color[colors++] == ((uint32_t) row | (uint32_t) p[2] << 16));
         }
     }
-    CHECK(others == block->others && colors == block->colors);
+    CHECK(others == block->others && colors == block->colors && hidden == block->hidden);
 }
 
 static void check_close(ntp__count_close8_fn *count, int32_t channels)
@@ -250,10 +273,10 @@ static void check_close(ntp__count_close8_fn *count, int32_t channels)
         const int32_t r = pair & 255, g = pair >> 8;
         for (int32_t b = 0; b < 256; b++) {
             put(texels + channels * b, channels, r, g, b);
-            /* one of the translucent is exact but for that */
             if (channels == 4 && pair % 3 == 0)
-                texels[4 * b + 3] = (uint8_t) (pair * 13 + b);
+                texels[4 * b + 3] = (uint8_t) ((pair * 13 + b) & (pair % 2 == 0 ? 255 : 1));
         }
+        block.visible = pair % 5 != 0;
         count(&block, close8, texels, 256, channels, 256);
         check_block(&block, texels, 256, channels);
     }
@@ -277,44 +300,29 @@ static void put_kind(uint8_t *p, int32_t channels, int32_t kind, uint64_t *seed)
         put(p, channels, r, g, b);
 }
 
-/* Blocks of all sizes between guard pages, of one kind or mixed; and the survey of those that make one. */
-static void check_sizes(ntp__count_close8_fn *count, int32_t channels, bool surveys, uint64_t *seed)
+/* Blocks of all sizes between guard pages, of one kind or mixed, and their surveys. */
+static void check_sizes(ntp__count_close8_fn *count, int32_t channels, uint64_t *seed)
 {
     enum { TIMES = 100, KINDS = 6 };
-    ntp__close8_block block;
-    uint64_t sum[3] = { 0 };
-    uint8_t least[3] = { 255, 255, 255 }, greatest[3] = { 0 };
-    memset(&block, 0, sizeof block);
+    ntp__close8_block block = { .visible = 1 };
     memset(close8, 0, sizeof close8);
     memset(close_texels, 0, sizeof close_texels);
     for (int32_t i = 0; i < TIMES * KINDS; i++) {
         const int32_t n = NTP__KERNEL_LANES * (1 + i % (256 / NTP__KERNEL_LANES)), kind = i % KINDS;
         guarded src = guarded_alloc((size_t) n * (size_t) channels, i & 1);
         uint8_t *const p = src.data;
-        for (int32_t k = 0; k < n; k++) {
+        for (int32_t k = 0; k < n; k++)
             put_kind(p + channels * k, channels,
                      kind == 5 ? (int32_t) (random_bits(seed) % 5) : kind, seed);
-            for (int32_t c = 0; c < 3; c++) {
-                const uint8_t v = p[channels * k + c];
-                sum[c] += v;
-                least[c] = v < least[c] ? v : least[c];
-                greatest[c] = v > greatest[c] ? v : greatest[c];
-            }
-        }
+        if (channels == 4 && i % 4 == 0)
+            p[4 * (random_bits(seed) % (uint32_t) n) + 3] = (uint8_t) (random_bits(seed) % 3);
+        memset(&block.survey, 0, sizeof block.survey);
         count(&block, close8, p, n, channels, 0);
         check_block(&block, p, n, channels);
+        check_survey(&block.survey, p, n, channels);
         guarded_free(&src);
     }
     check_close_counts();
-    for (int32_t c = 0; surveys && c < 3; c++) {
-        uint8_t low = 255, high = 0;
-        for (int32_t i = c; i < 32 * 4; i += 4) {
-            const uint8_t up_to = (uint8_t) (255 - block.survey.extremes[0][i]);
-            low = up_to < low ? up_to : low;
-            high = block.survey.extremes[1][i] > high ? block.survey.extremes[1][i] : high;
-        }
-        CHECK(block.survey.sum[c] == sum[c] && low == least[c] && high == greatest[c]);
-    }
 }
 
 /* All pairs with their derived blues; then the first ones more often than a count holds, some of them
@@ -343,7 +351,7 @@ static void fill(uint8_t *texels, int32_t n, int32_t channels, uint64_t *seed)
     }
 }
 
-static void check_tallies(int32_t channels, uint64_t *seed)
+static void check_tallies(int32_t channels, uint32_t touch, uint64_t *seed)
 {
     enum { WIDTH = 4000, HEIGHT = 250, FEW = 8 }; /* more far cells in a row than wait at once */
     uint8_t *texels = malloc((size_t) WIDTH * HEIGHT * 4);
@@ -356,18 +364,18 @@ static void check_tallies(int32_t channels, uint64_t *seed)
     fill(texels, WIDTH * HEIGHT, channels, seed);
     const ntp_image image = ntp_image_packed(texels, WIDTH, HEIGHT, channels, NTP_TYPE_U8);
     const ntp_const_image view = ntp_image_as_const(&image);
-    CHECK(ntp_tally_add(many, &view, 0, NULL) == NTP_OK);
+    CHECK(ntp_tally_add(many, &view, touch, NULL) == NTP_OK);
     for (int32_t x = 0; x < WIDTH; x += FEW) { /* columns that are too narrow for a group */
         const ntp_rect area = { x, 0, x + FEW, HEIGHT };
-        CHECK(ntp_tally_add(few, &view, 0, &area) == NTP_OK);
+        CHECK(ntp_tally_add(few, &view, touch, &area) == NTP_OK);
     }
     CHECK(ntp_tally_merge(merged, many) == NTP_OK);
     CHECK(ntp_tally_summarize(&stats[0], many, NTP_ENCODING_STANDARD) == NTP_OK);
     CHECK(ntp_tally_summarize(&stats[1], few, NTP_ENCODING_STANDARD) == NTP_OK);
     CHECK(ntp_tally_summarize(&stats[2], merged, NTP_ENCODING_STANDARD) == NTP_OK);
-    CHECK(ntp_tally_clear(merged) == NTP_OK && ntp_tally_add(merged, &view, 0, NULL) == NTP_OK);
+    CHECK(ntp_tally_clear(merged) == NTP_OK && ntp_tally_add(merged, &view, touch, NULL) == NTP_OK);
     /* one that was cleared with what it had not put into its cells */
-    CHECK(ntp_tally_clear(merged) == NTP_OK && ntp_tally_add(merged, &view, 0, NULL) == NTP_OK);
+    CHECK(ntp_tally_clear(merged) == NTP_OK && ntp_tally_add(merged, &view, touch, NULL) == NTP_OK);
     CHECK(ntp_tally_summarize(&stats[3], merged, NTP_ENCODING_STANDARD) == NTP_OK);
     for (int32_t i = 1; i < 4; i++)
         /* All were zero-filled, padding included.  NOLINTNEXTLINE */
@@ -419,8 +427,9 @@ int main(int argc, char **argv)
         return SKIPPED;
     for (int32_t channels = 3; channels <= 4; channels++) {
         check_close(level.count_close8, channels);
-        check_sizes(level.count_close8, channels, allowed_512, &seed);
-        check_tallies(channels, &seed);
+        check_sizes(level.count_close8, channels, &seed);
+        check_tallies(channels, 0, &seed);
+        check_tallies(channels, NTP_UNUSED_TRANSPARENT | NTP_UNUSED_WHITE, &seed);
         if (allowed_512)
             continue;
         check_colors(&level, channels);

@@ -171,6 +171,22 @@ static void add_to_cell(ntp__color_counts *t, uint32_t row, uint32_t blue, uint3
     ntp__count_far(&t->at, row * NTP__ROW_CELLS + blue, count);
 }
 
+void ntp__take_close8_of(ntp__color_counts *t, const uint8_t *texels, int32_t n, int32_t channels)
+{
+    for (const uint8_t *p = texels; p < texels + (size_t) n * (size_t) channels; p += channels) {
+        const uint32_t row = ntp__entry_cells(t->row_of[p[0] | p[1] << 8]) / NTP__NEAR;
+        const uint32_t blue = t->row[row].blue;
+        const uint32_t above = p[2] + (uint32_t) NTP__CLOSE8_BELOW - blue;
+        if (blue == 0 || above >= NTP__CLOSE8_BLUES)
+            continue;
+        uint32_t *const close = t->close[ntp__close8_of(row, p[2])];
+        const uint32_t count = close[0] + close[1] + close[2] + close[3];
+        if (count > 0)
+            add_to_cell(t, row, p[2], count);
+        memset(close, 0, sizeof t->close[0]);
+    }
+}
+
 /* Defines a row, unless that was done: then its pair is not 0.  k1 is its greater magnitude. */
 static void define(ntp__color_counts *t, int32_t row, int32_t k1)
 {

@@ -386,8 +386,8 @@ static void note_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
     }
 }
 
-static void count_row(ntp_tally *t, waiting *w, close_counts *close, alpha_counts *alpha,
-                      const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
+static void count_row(ntp_tally *t, waiting *w, packed_counts *packed, const ntp_const_image *src,
+                      int32_t x0, int32_t x1, int32_t y)
 {
     bool picture = src->encoding == NTP_ENCODING_HEIGHT;
     bool bytes = !picture && !t->cells.few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
@@ -405,10 +405,8 @@ static void count_row(ntp_tally *t, waiting *w, close_counts *close, alpha_count
         n = x1 - x < step ? x1 - x : step;
         if (gray) {
             count_gray8(t, ntp__at(src, x, y), n);
-        } else if (bytes && src->channels == 3) {
-            count_rgb8(t, close, ntp__at(src, x, y), n);
         } else if (bytes) {
-            count_rgba8(t, close, alpha, ntp__at(src, x, y), n);
+            count_packed8(t, packed, ntp__at(src, x, y), n, src->channels);
         } else if (words && w->noise == 0) {
             count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), n);
         } else {
@@ -422,7 +420,7 @@ static void count_row(ntp_tally *t, waiting *w, close_counts *close, alpha_count
         }
     }
     if (t->colors < 2)
-        end_survey(t, close);
+        end_survey(t, packed);
     if (!picture && t->colors < 2 && (w->n > 0 || t->narrow + t->wide.texels > used) &&
         !has_one_color(t))
         note_row(t, src, x0, x1, y);
@@ -466,15 +464,13 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     left.block.any_broken = false;
     for (int32_t i = 0; i < NTP__BLOCK; i++)
         left.block.c[3][i] = 65535;
-    alpha_counts alpha;
-    begin_alpha(&alpha, touch_unused);
-    close_counts close;
-    begin_close(&close);
+    packed_counts packed;
+    begin_packed(&packed, touch_unused);
     for (int32_t y = rect.y0; y < rect.y1; y++)
-        count_row(tally, &left, &close, &alpha, src, rect.x0, rect.x1, y);
-    end_survey(tally, &close);
+        count_row(tally, &left, &packed, src, rect.x0, rect.x1, y);
+    end_survey(tally, &packed);
     end_waiting(tally, &left);
-    end_alpha(tally, &alpha);
+    end_alpha(tally, &packed.alpha);
     tally->texels += width * height;
     return NTP_OK;
 }

@@ -2,7 +2,7 @@
 /*
  * packed8_tmpl.h - counts packed RGB and RGBA of 8 bit; included by measure.c, whose counts it uses
  *
- * With AVX2, texels close to exact are counted first (texel/cells_tmpl.h), unless few are.  Of what
+ * With AVX2, texels close to exact are counted first (texel/cells_avx2.c), unless few are.  Of what
  * is left, or of all, a group of texels of one color is counted at once.  In other groups each texel is
  * one look-up and one count.
  */
@@ -42,6 +42,17 @@ static inline bool is_even_rgb8(const uint8_t *p)
             return false;
     }
     return true;
+}
+
+static inline bool is_even_rgba8(const uint8_t *p)
+{
+    uint32_t texel[GROUP], all = UINT32_MAX, any = 0;
+    memcpy(texel, p, sizeof texel);
+    for (int32_t i = 0; i < GROUP; i++) {
+        all &= texel[i];
+        any |= texel[i];
+    }
+    return all == any;
 }
 
 /* Counts `count` texels of this color outside the near cells, where all grays are.  Returns how
@@ -89,212 +100,21 @@ static inline bool are_far(ntp_tally *t, uint64_t far_before, int32_t done)
     return t->cells.mostly_far != 0;
 }
 
-/* Counts whole groups of these in another way, and returns how many. */
-static int32_t count_groups(ntp_tally *t, ntp__found8 *found, const uint8_t *p, int32_t n,
-                            int32_t channels)
-{
-    ntp__count8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_cells;
-    if (count == NULL)
-        return 0;
-    found->used = (t->touched & NTP_UNUSED_BLACK ? NTP__BLACK8 : 0) |
-                  (t->touched & NTP_UNUSED_WHITE ? NTP__WHITE8 : 0) |
-                  (t->touched & NTP_UNUSED_TRANSPARENT ? NTP__CLEAR8 : 0);
-    const int32_t done = count(&t->cells.at, found, p, n, channels);
-    t->cells.grouped |= done > 0;
-    t->gray += found->gray;
-    t->black += found->black;
-    t->white += found->white;
-    return done;
-}
-
-/* What close texels are counted by, over rows. */
-typedef struct close_counts {
-    ntp__count_close8_fn *count;
-    bool surveys; /* are these texels in the survey, rather than in the tally? */
-    ntp__close8_block part;
-} close_counts;
-
-static void begin_close(close_counts *c)
-{
-    ntp__kernels_table kernels;
-    ntp__pick_kernels(&kernels, NTP__CPU_ALL);
-    c->count = kernels.count_close8;
-    /* Only that for AVX-512 does. */
-    c->surveys = c->count != ntp__kernels(NTP__CPU_ALL)->count_close8;
-    memset(&c->part.survey, 0, sizeof c->part.survey);
-}
-
-/* Adds what is in the survey to the tally. */
-static void end_survey(ntp_tally *t, close_counts *c)
-{
-    ntp__close8_survey *const s = &c->part.survey;
-    ntp__survey8 least, all;
-    if (s->texels == 0)
-        return;
-    ntp__kernels(NTP__CPU_ALL)->survey8(&least, s->extremes[0], sizeof s->extremes[0] / 4, 4);
-    ntp__kernels(NTP__CPU_ALL)->survey8(&all, s->extremes[1], sizeof s->extremes[1] / 4, 4);
-    for (int32_t k = 0; k < 3; k++) {
-        all.sum[k] = s->sum[k];
-        all.least[k] = 255 - least.greatest[k];
-    }
-    add_survey(t, &all);
-    memset(s, 0, sizeof *s);
-}
-
-/* Counts close texels of the first ones of a row of texels, and returns of how many; `next` ones after them
- * are to be counted in another way.  Where it leaves more than half, as in photographs, close texels are looked
- * for again later. */
-static int32_t count_close(ntp_tally *t, close_counts *c, int32_t *next, const uint8_t *p,
-                           int32_t n, int32_t channels, size_t ahead)
-{
-    enum { BLOCK = 256, STEP = NTP__KERNEL_LANES, MOST = 256 * BLOCK };
-    ntp__close8_block *const part = &c->part;
-    int32_t size = n < BLOCK ? n / STEP * STEP : BLOCK;
-    part->others = part->colors = 0;
-    *next = n;
-    if (c->count == NULL || size == 0)
-        return 0;
-    if (t->not_close == 0) {
-        c->count(part, t->cells.close, p, size, channels, ahead);
-        const int32_t left = part->others + part->colors;
-        t->cells.has_close |= left < size;
-        t->cells.grouped |= 4 * left > size;
-        if (2 * left <= size)
-            t->last_not_close = 0;
-        else if (t->last_not_close < MOST)
-            t->last_not_close = 2 * t->last_not_close + BLOCK;
-        t->not_close = t->last_not_close;
-    } else {
-        size = 0;
-    }
-    *next = n - size < t->not_close ? n - size : t->not_close;
-    t->not_close -= *next;
-    return size;
-}
-
-/* What is read or counted later, and would be waited for. */
-static inline void fetch(const uint8_t *p, size_t ahead)
-{
-#ifdef __GNUC__
-    __builtin_prefetch(p + ahead);
-#else
-    (void) p;
-    (void) ahead;
-#endif
-}
-
-static uint64_t look_up_rgb8(ntp_tally *t, const uint8_t *p, int32_t n, size_t ahead)
-{
-    uint32_t *near = t->cells.at.near;
-    uint64_t unused = 0;
-    const uint64_t far = t->cells.far_texels;
-    const int32_t all = n;
-    const uint32_t *row_of = t->cells.row_of;
-    if (n > 0)
-        begin_look_ups(t);
-    for (; n >= GROUP; n -= GROUP) {
-        if (are_far(t, far, all - n)) {
-            ntp__found8 found = { 0 };
-            const int32_t quick = count_groups(t, &found, p, n, 3);
-            unused += found.black + found.white;
-            p += 3 * quick;
-            n -= quick;
-            if (n < GROUP)
-                break;
-        }
-        fetch(p, ahead);
-        if (is_even_rgb8(p)) {
-            unused += count_color(t, row_of, near, p, GROUP);
-            p += 3 * GROUP;
-            continue;
-        }
-        for (int32_t i = 0; i < GROUP; i++, p += 3)
-            unused += count_color(t, row_of, near, p, 1);
-    }
-    for (; n > 0; n--, p += 3)
-        unused += count_color(t, row_of, near, p, 1);
-    return unused;
-}
-
-/* Far cells that are to be counted, while they are fetched: else these counts would be waited for. */
-typedef struct far_waiting {
-    uint32_t at[2 * 256];
-    int32_t n;
-} far_waiting;
-
-static void end_far(ntp_tally *t, far_waiting *far)
-{
-    for (int32_t i = 0; i < far->n; i++)
-        ntp__count_far(&t->cells.at, far->at[i], 1);
-    far->n = 0;
-}
-
-/* Counts packed RGB that is left, but for what is put into `far`, which has room for 256: also colors with a
- * near cell, as which of them have one is as good as random. */
-static uint64_t count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *part,
-                           const uint8_t *p)
-{
-    uint64_t unused = 0;
-    t->cells.undefined |= part->others + part->colors > 0; /* only their numbers are known */
-    for (int32_t i = 0; i < part->others; i++) {
-        const uint8_t *const q = p + 3 * part->left[i];
-        const uint32_t row = part->row[part->left[i]];
-        if ((q[0] == q[1]) & (q[1] == q[2]))
-            unused += count_odd(t, q, ntp__entry(row, 0), 1);
-        else
-            part->color[part->colors++] = row | (uint32_t) q[2] << 16;
-    }
-    for (int32_t i = 0; i < part->colors; i++) {
-        const uint32_t row = part->color[i] & 65535, blue = part->color[i] >> 16;
-        const uint32_t cell = row * NTP__ROW_CELLS + blue;
-        fetch(t->cells.at.far, cell);
-        far->at[far->n++] = cell;
-        note_far(t, row, blue);
-    }
-    if (far->n > 256)
-        end_far(t, far);
-    return unused;
-}
-
-static void count_rgb8(ntp_tally *t, close_counts *c, const uint8_t *p, int32_t n)
-{
-    far_waiting far;
-    int32_t next;
-    const size_t ahead = 3 * (size_t) n;
-    far.n = 0;
-    if (!c->surveys)
-        add_bytes(t, p, n, 3);
-    t->narrow += (uint64_t) n;
-    while (n > 0) {
-        const int32_t done = count_close(t, c, &next, p, n, 3, ahead);
-        t->cells.mostly_far &= done == 0;
-        t->narrow -= count_left(t, &far, &c->part, p);
-        p += 3 * done;
-        if (c->surveys && next > 0)
-            add_bytes(t, p, next, 3);
-        t->narrow -= look_up_rgb8(t, p, next, ahead);
-        p += 3 * next;
-        n -= done + next;
-    }
-    end_far(t, &far);
-}
-
 enum { CLEAR_BITS = 8 };
 
-/* What texels with alpha are counted by, over rows.  Colors of alpha 0 are judged once for many texels: each
- * has one place here, and gives way to another one that needs it. */
+/* What alpha is counted by, over rows.  Colors of alpha 0 are judged once for many texels: each has one place
+ * here, and gives way to another one that needs it. */
 typedef struct alpha_counts {
     uint32_t color[1 << CLEAR_BITS], count[1 << CLEAR_BITS]; /* r | g << 8 | b << 16; 0: none */
     ntp__color_batch batch;
-    uint32_t visible; /* the least alpha of a used texel */
-    uint64_t unused, ag;
-    uint32_t alpha[4][256]; /* of texels beside those that the tally holds */
+    int32_t visible; /* the least alpha of a used texel */
+    ntp__alphas8 alphas; /* of texels beside those that the tally holds */
 } alpha_counts;
 
 static void begin_alpha(alpha_counts *c, uint32_t touch)
 {
     memset(c->count, 0, sizeof c->count);
-    memset(c->alpha, 0, sizeof c->alpha);
+    memset(&c->alphas, 0, sizeof c->alphas);
     c->batch.n = 0;
     c->visible = touch & NTP_UNUSED_TRANSPARENT ? 0 : 1;
 }
@@ -316,7 +136,8 @@ static void end_alpha(ntp_tally *t, alpha_counts *c)
             judge_clear(t, c, i);
     }
     for (int32_t k = 0; k < 4; k++)
-        ntp__merge_counts(t->alpha, c->alpha[k], 256);
+        ntp__merge_counts(t->alpha, c->alphas.count[k], 256);
+    t->ag_in_disc += c->alphas.in_disc;
     if (c->batch.n > 0)
         ntp__end_batch(&t->transparent_narrow, &c->batch, 255,
                        ntp__judged_as((ntp_encoding) t->encoding));
@@ -326,7 +147,7 @@ static void end_alpha(ntp_tally *t, alpha_counts *c)
 static inline void count_clear(ntp_tally *t, alpha_counts *c, uint32_t color, uint32_t count)
 {
     const uint32_t golden_section = 2654435769u; /* of 2^32: spreads similar colors */
-    c->unused += count;
+    t->narrow -= count;
     if (color == 0 && !(t->touched & NTP_UNUSED_BLACK)) {
         t->gray += count;
         t->black += count;
@@ -345,81 +166,259 @@ static inline void count_clear(ntp_tally *t, alpha_counts *c, uint32_t color, ui
     c->count[place] += count;
 }
 
-/* Counts `count` texels that are equal. */
-static inline void count_one_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, uint32_t count)
+/* Counts the alpha of `count` texels that are equal. */
+static inline void count_one_alpha(ntp_tally *t, alpha_counts *c, const uint8_t *p, uint32_t count)
 {
-    const uint32_t g = p[1], a = p[3];
-    t->alpha[a] += count;
-    if (a >= c->visible) {
-        const uint32_t unused = count_color(t, t->cells.row_of, t->cells.at.near, p, count);
-        const bool in_disc = (a < 255) & (unused == 0) & in_disc8((int32_t) a, (int32_t) g);
-        c->ag += in_disc ? count : 0;
-        c->unused += unused;
-        return;
-    }
-    count_clear(t, c, p[0] | g << 8 | (uint32_t) p[2] << 16, count);
+    const int32_t g = p[1], a = p[3];
+    c->alphas.count[0][a] += count;
+    if (a < c->visible)
+        count_clear(t, c, p[0] | (uint32_t) p[1] << 8 | (uint32_t) p[2] << 16, count);
+    else
+        c->alphas.in_disc += in_disc8(a, g) ? count : 0;
 }
 
-static inline bool is_even_rgba8(const uint8_t *p)
+/* The alpha of a row, and the colors of texels that are unused for it. */
+static void count_alphas(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n)
 {
-    uint32_t texel[GROUP], all = UINT32_MAX, any = 0;
-    memcpy(texel, p, sizeof texel);
-    for (int32_t i = 0; i < GROUP; i++) {
-        all &= texel[i];
-        any |= texel[i];
-    }
-    return all == any;
-}
-
-static void look_up_rgba8(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_t n)
-{
-    const uint64_t far = t->cells.far_texels;
-    const int32_t all = n;
-    for (; n >= GROUP; n -= GROUP, p += 4 * GROUP) {
-        if (is_even_rgba8(p)) {
-            count_one_rgba8(t, c, p, GROUP);
-            continue;
-        }
-        ntp__found8 found = { .alpha = c->alpha };
-        const int32_t quick = are_far(t, far, all - n) ? count_groups(t, &found, p, n, 4) : 0;
-        c->unused += found.black + found.white;
-        c->ag += found.in_disc;
+    ntp__count_alpha8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_alpha8;
+    while (n > 0) {
+        const int32_t quick = count != NULL ? count(&c->alphas, p, n, c->visible) : 0;
         p += 4 * quick;
         n -= quick;
-        if (n < GROUP)
-            break;
-        for (int32_t i = 0; i < GROUP; i++)
-            count_one_rgba8(t, c, p + 4 * i, 1);
+        const int32_t end = n < GROUP ? n : GROUP;
+        const bool even = end == GROUP && is_even_rgba8(p);
+        for (int32_t i = 0; !even && i < end; i++)
+            count_one_alpha(t, c, p + 4 * i, 1);
+        if (even)
+            count_one_alpha(t, c, p, GROUP);
+        p += 4 * end;
+        n -= end;
     }
-    for (; n > 0; n--, p += 4)
-        count_one_rgba8(t, c, p, 1);
 }
 
-static void count_rgba8(ntp_tally *t, close_counts *close, alpha_counts *c, const uint8_t *p,
-                        int32_t n)
+/* What packed texels are counted by, over rows. */
+typedef struct packed_counts {
+    ntp__count_close8_fn *close;
+    ntp__close8_block part; /* its survey is not in the tally yet */
+    alpha_counts alpha;
+} packed_counts;
+
+static void begin_packed(packed_counts *c, uint32_t touch)
 {
-    const ntp__close8_block *const part = &close->part;
+    ntp__kernels_table kernels;
+    ntp__pick_kernels(&kernels, NTP__CPU_ALL);
+    c->close = kernels.count_close8;
+    begin_alpha(&c->alpha, touch);
+    c->part.visible = c->alpha.visible;
+    memset(&c->part.survey, 0, sizeof c->part.survey);
+}
+
+/* Adds what is in the survey to the tally. */
+static void end_survey(ntp_tally *t, packed_counts *c)
+{
+    ntp__packed_survey *const s = &c->part.survey;
+    ntp__survey8 least, all;
+    if (s->texels == 0)
+        return;
+    ntp__kernels(NTP__CPU_ALL)->survey8(&least, s->extremes[0], sizeof s->extremes[0] / 4, 4);
+    ntp__kernels(NTP__CPU_ALL)->survey8(&all, s->extremes[1], sizeof s->extremes[1] / 4, 4);
+    for (int32_t k = 0; k < 3; k++) {
+        all.sum[k] = s->sum[k];
+        all.least[k] = 255 - least.greatest[k];
+    }
+    add_survey(t, &all);
+    memset(s, 0, sizeof *s);
+}
+
+/* Adds alpha, sums and extremes of texels whose colors are counted one by one. */
+static void add_rest(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n, int32_t channels)
+{
+    if (n == 0)
+        return;
+    add_bytes(t, p, n, channels);
+    if (channels == 4)
+        count_alphas(t, &c->alpha, p, n);
+}
+
+/* Adds the alpha of texels that a kernel just counted. */
+static void add_alphas(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n,
+                       int32_t channels)
+{
+    if (channels == 4 && c->part.survey.translucent)
+        count_alphas(t, &c->alpha, p, n);
+    else if (channels == 4)
+        c->alpha.alphas.count[0][255] += (uint32_t) n;
+    c->part.survey.translucent = 0;
+}
+
+/* Counts whole groups of these in another way, and returns how many texels that were. */
+static int32_t count_groups(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n,
+                            int32_t channels, size_t ahead)
+{
+    ntp__count8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_cells;
+    ntp__found8 found = { .survey = &c->part.survey };
+    if (count == NULL)
+        return 0;
+    found.used = (t->touched & NTP_UNUSED_BLACK ? NTP__BLACK8 : 0) |
+                 (t->touched & NTP_UNUSED_WHITE ? NTP__WHITE8 : 0) |
+                 (t->touched & NTP_UNUSED_TRANSPARENT ? NTP__CLEAR8 : 0);
+    const int32_t done = count(&t->cells.at, &found, p, n, channels, ahead);
+    t->cells.grouped |= done > 0;
+    t->gray += found.gray;
+    t->black += found.black;
+    t->white += found.white;
+    t->narrow -= found.black + found.white;
+    add_alphas(t, c, p, done, channels);
+    return done;
+}
+
+/* Counts close texels of the first ones of a row of texels, and returns of how many; `next` ones after them
+ * are to be counted in another way.  Where it leaves more than half, as in photographs, close texels are looked
+ * for again later. */
+static int32_t count_close(ntp_tally *t, packed_counts *c, int32_t *next, const uint8_t *p,
+                           int32_t n, int32_t channels, size_t ahead)
+{
+    enum { BLOCK = 256, STEP = NTP__KERNEL_LANES, MOST = 256 * BLOCK };
+    ntp__close8_block *const part = &c->part;
+    int32_t size = n < BLOCK ? n / STEP * STEP : BLOCK;
+    part->others = part->colors = 0;
+    *next = n;
+    if (c->close == NULL || size == 0)
+        return 0;
+    if (t->not_close == 0) {
+        c->close(part, t->cells.close, p, size, channels, ahead);
+        add_alphas(t, c, p, size, channels);
+        const int32_t left = part->others + part->colors, close = size - left - part->hidden;
+        t->cells.grouped |= 4 * left > size;
+        if (2 * left <= size)
+            t->last_not_close = 0;
+        else if (t->last_not_close < MOST)
+            t->last_not_close = 2 * t->last_not_close + BLOCK;
+        if (2 * close >= size) {
+            t->cells.has_close = 1;
+        } else if (close > 0 && !t->cells.has_close) {
+            begin_look_ups(t);
+            ntp__take_close8_of(&t->cells, p, size, channels);
+        }
+        t->not_close = t->last_not_close;
+    } else {
+        size = 0;
+    }
+    *next = n - size < t->not_close ? n - size : t->not_close;
+    t->not_close -= *next;
+    return size;
+}
+
+/* What is read or counted later, and would be waited for. */
+static inline void fetch(const uint8_t *p, size_t ahead)
+{
+#ifdef __GNUC__
+    __builtin_prefetch(p + ahead);
+#else
+    (void) p;
+    (void) ahead;
+#endif
+}
+
+static inline bool is_even(const uint8_t *p, int32_t channels)
+{
+    return channels == 3 ? is_even_rgb8(p) : is_even_rgba8(p);
+}
+
+/* Counts texels of one color, if they are to be counted. */
+static inline void count_packed(ntp_tally *t, const packed_counts *c, const uint8_t *p,
+                                int32_t channels, uint32_t count)
+{
+    if (channels == 3 || p[3] >= c->part.visible)
+        t->narrow -= count_color(t, t->cells.row_of, t->cells.at.near, p, count);
+}
+
+static void look_up_packed(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n,
+                           int32_t channels, size_t ahead)
+{
+    const uint64_t far = t->cells.far_texels;
+    int32_t i = 0;
+    begin_look_ups(t);
+    for (; n - i >= GROUP; i += GROUP, p += channels * GROUP) {
+        if (are_far(t, far, i)) {
+            const int32_t quick = count_groups(t, c, p, n - i, channels, ahead);
+            if (quick > 0) {
+                add_rest(t, c, p - channels * i, i, channels);
+                p += channels * quick;
+                n -= quick + i;
+                i = 0;
+                break;
+            }
+        }
+        fetch(p, ahead);
+        if (is_even(p, channels)) {
+            count_packed(t, c, p, channels, GROUP);
+            continue;
+        }
+        for (int32_t k = 0; k < GROUP; k++)
+            count_packed(t, c, p + channels * k, channels, 1);
+    }
+    add_rest(t, c, p - channels * i, n, channels);
+    for (; i < n; i++, p += channels)
+        count_packed(t, c, p, channels, 1);
+}
+
+/* Far cells that are to be counted, while they are fetched: else these counts would be waited for. */
+typedef struct far_waiting {
+    uint32_t at[2 * 256];
+    int32_t n;
+} far_waiting;
+
+static void end_far(ntp_tally *t, far_waiting *far)
+{
+    for (int32_t i = 0; i < far->n; i++)
+        ntp__count_far(&t->cells.at, far->at[i], 1);
+    far->n = 0;
+}
+
+/* Counts texels that are left, but for what is put into `far`, which has room for 256: also colors with a near
+ * cell, as which of them have one is as good as random. */
+static void count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *part, const uint8_t *p,
+                       int32_t channels)
+{
+    t->cells.undefined |= part->others + part->colors > 0; /* only their numbers are known */
+    for (int32_t i = 0; i < part->others; i++) {
+        const uint8_t *const q = p + channels * part->left[i];
+        const uint32_t row = part->row[part->left[i]];
+        if ((q[0] == q[1]) & (q[1] == q[2]))
+            t->narrow -= count_odd(t, q, ntp__entry(row, 0), 1);
+        else
+            part->color[part->colors++] = row | (uint32_t) q[2] << 16;
+    }
+    for (int32_t i = 0; i < part->colors; i++) {
+        const uint32_t row = part->color[i] & 65535, blue = part->color[i] >> 16;
+        const uint32_t cell = row * NTP__ROW_CELLS + blue;
+        fetch(t->cells.at.far, cell);
+        far->at[far->n++] = cell;
+        note_far(t, row, blue);
+    }
+    if (far->n > 256)
+        end_far(t, far);
+}
+
+/* Texels of a row; the colors of those that are unused for alpha 0 are not among the cells. */
+static void count_packed8(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n,
+                          int32_t channels)
+{
+    far_waiting far;
     int32_t next;
-    const size_t row = 4 * (size_t) n;
-    c->unused = c->ag = 0;
-    if (!close->surveys)
-        add_bytes(t, p, n, 4);
+    const size_t ahead = (size_t) channels * (size_t) n;
+    far.n = 0;
     t->narrow += (uint64_t) n;
     while (n > 0) {
-        const int32_t done = count_close(t, close, &next, p, n, 4, row);
+        const int32_t done = count_close(t, c, &next, p, n, channels, ahead);
         t->cells.mostly_far &= done == 0;
-        t->alpha[255] += (uint32_t) (done - part->others);
-        if (part->others + next > 0)
-            begin_look_ups(t);
-        for (int32_t i = 0; i < part->others; i++)
-            count_one_rgba8(t, c, p + 4 * part->left[i], 1);
-        p += 4 * done;
-        if (close->surveys && next > 0)
-            add_bytes(t, p, next, 4);
-        look_up_rgba8(t, c, p, next);
-        p += 4 * next;
+        count_left(t, &far, &c->part, p, channels);
+        p += channels * done;
+        if (next > 0)
+            look_up_packed(t, c, p, next, channels, ahead);
+        p += channels * next;
         n -= done + next;
     }
-    t->narrow -= c->unused;
-    t->ag_in_disc += c->ag;
+    end_far(t, &far);
 }

@@ -5,6 +5,7 @@
  * These are the correlations of channels, signs of gamma, and the steps between columns that lossy
  * compression leaves.  All of them are integer sums, so parts merge exactly.
  */
+#include "texel/kernels.h"
 #include "texel/level.h"
 #include "texel/srgb.h"
 #include "texel/unused.h"
@@ -35,21 +36,11 @@ static void prepare_squares(ntp_tally *t)
     }
 }
 
-/* Is the length within 1/8 of 1 if the levels are decoded from sRGB first?  With s, the sum of their
- * linear_square, its square is 4s + 3, and 49 M*M <= 64 (4s + 3) <= 81 M*M. */
-static inline bool linear_near_unit(const uint32_t *square, int32_t r, int32_t g, int32_t b)
-{
-    const int64_t unit = INT64_C(65535) * 65535;
-    const uint32_t least = (uint32_t) ((49 * unit - 192 + 255) / 256);
-    const uint32_t most = (uint32_t) ((81 * unit - 192) / 256);
-    return square[r] + square[g] + square[b] - least <= most - least;
-}
-
 /* Counts of a block of colors of 8 bit. */
 static void count_signs(ntp__samples *s, const uint32_t *linear, const int32_t *r, const int32_t *g,
                         const int32_t *b, int32_t n)
 {
-    enum { LEAST = 185, RANGE = 6 }; /* flat after gamma: 188, and 3 to both sides */
+    enum { LEAST = NTP__GAMMA_FLAT_LEAST, RANGE = NTP__GAMMA_FLAT_RANGE };
     int32_t red = 0, green = 0, flat = 0, unit = 0;
     for (int32_t i = 0; i < n; i++) {
         red += r[i] < 128;
@@ -58,7 +49,7 @@ static void count_signs(ntp__samples *s, const uint32_t *linear, const int32_t *
             (r[i] >= LEAST) & (r[i] <= LEAST + RANGE) & (g[i] >= LEAST) & (g[i] <= LEAST + RANGE);
     }
     for (int32_t i = 0; i < n; i++)
-        unit += linear_near_unit(linear, r[i], g[i], b[i]);
+        unit += ntp__linear_near_unit(linear[r[i]] + linear[g[i]] + linear[b[i]]);
     s->red_low += (uint32_t) red;
     s->green_low += (uint32_t) green;
     s->gamma_flat += (uint32_t) flat;
@@ -179,16 +170,35 @@ static void add_steps(ntp_tally *t, const ntp__block *block, int32_t first, int3
     t->block_count[1] += (uint32_t) count;
 }
 
+/* Adds packed texels, which have one before them, as far as that is quick; returns how many. */
+static int32_t add_packed(ntp_tally *t, const uint8_t *p, int32_t n, int32_t channels, int32_t x)
+{
+    enum { MOST = 65536 };
+    const int32_t done = ntp__kernels(NTP__CPU_ALL)
+                             ->sample8(&t->samples, t->block_steps, t->linear_square, p,
+                                       n < MOST ? n : MOST, channels, x);
+    t->block_count[0] += (uint32_t) (done - done / 8); /* whole groups */
+    t->block_count[1] += (uint32_t) (done / 8);
+    return done;
+}
+
 /* Steps between neighboring columns are summed twice: inside blocks of 8 x 8, and across their
  * borders.  The texel before x0 is read where there is one. */
 void ntp__sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
 {
+    enum { MOST = NTP__BLOCK - 1 };
     if (!is_sampled(src, y))
         return;
     ntp__block block;
     prepare_squares(t);
-    for (int32_t x = x0; x < x1; x += NTP__BLOCK - 1) {
-        int32_t n = x1 - x < NTP__BLOCK - 1 ? x1 - x : NTP__BLOCK - 1, before = x > 0;
+    const bool packed = src->type == NTP_TYPE_U8 && src->channels >= 3 && ntp__is_packed(src) &&
+                        ntp__kernels(NTP__CPU_ALL)->sample8 != NULL;
+    for (int32_t x = x0, n; x < x1; x += n) {
+        if (packed && x > 0 &&
+            (n = add_packed(t, ntp__at(src, x, y), x1 - x, src->channels, x)) > 0)
+            continue;
+        n = packed && x == 0 ? 1 : x1 - x < MOST ? x1 - x : MOST;
+        const int32_t before = x > 0;
         ntp__unpack(&block, src, x - before, y, n + before);
         add_colors(t, &block, before, n, ntp__max(src->type));
         add_steps(t, &block, 1, n + before, x - before);

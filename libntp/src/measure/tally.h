@@ -28,6 +28,7 @@
 #include "measure/far_texels.h"
 #include "measure/judged_sums.h"
 #include "base/view.h"
+#include "texel/kernels.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -45,13 +46,6 @@ typedef struct ntp__channel_sums {
     uint64_t sum;
     uint32_t max, inverted_min;
 } ntp__channel_sums;
-
-/* Sums over the used texels of sampled rows, rounded to 8 bit. */
-typedef struct ntp__samples {
-    uint64_t n, sum[3], square[3], product[3]; /* products: r g, r b, g b */
-    uint64_t red_low, green_low;               /* below 128 */
-    uint64_t gamma_flat, gamma_unit;           /* near (188, 188); of length 1 as linear levels */
-} ntp__samples;
 
 struct ntp_tally {
     /* What was measured; depth 0: nothing yet. */

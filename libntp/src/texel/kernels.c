@@ -129,14 +129,9 @@ static uint64_t clean_rgb8_slowly(uint8_t *dst, const uint8_t *src, size_t n, co
 }
 
 #ifdef __AVX2__
-#  include <immintrin.h>
+#  include "texel/find_four_tmpl.h"
 
-/* Which of four are set, for each mask of four; and how many, as hexadecimal digits. */
-static const uint8_t SET[16][4] = { { 0 },    { 0 },       { 1 },       { 0, 1 },
-                                    { 2 },    { 0, 2 },    { 1, 2 },    { 0, 1, 2 },
-                                    { 3 },    { 0, 3 },    { 1, 3 },    { 0, 1, 3 },
-                                    { 2, 3 }, { 0, 2, 3 }, { 1, 2, 3 }, { 0, 1, 2, 3 } };
-static const uint64_t COUNTS = UINT64_C(0x4332322132212110);
+#  include <immintrin.h>
 
 /* The places i to i + 3 of which the mask has a bit; returns how many.  Branches would be taken at
  * random. */
@@ -147,16 +142,6 @@ static inline int32_t find_four(int32_t *at, int32_t i, int mask)
     const __m128i places =
         _mm_add_epi32(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(which)), _mm_set1_epi32(i));
     _mm_storeu_si128((__m128i *) (void *) at, places);
-    return (int32_t) (COUNTS >> 4 * mask & 15);
-}
-
-/* The same as bytes. */
-static inline int32_t find_four_bytes(uint8_t *at, int32_t i, uint32_t mask)
-{
-    uint32_t which;
-    memcpy(&which, SET[mask], sizeof which);
-    which += (uint32_t) i * 0x01010101;
-    memcpy(at, &which, sizeof which);
     return (int32_t) (COUNTS >> 4 * mask & 15);
 }
 #endif
@@ -350,8 +335,20 @@ static inline int32_t whole_lanes(int32_t n)
     return n & -LANES;
 }
 
-#include "texel/cells_tmpl.h"
-#include "texel/survey8_tmpl.h"
+#if defined __AVX2__ && defined NTP_HAVE_AVX2
+#  include "texel/cells_avx2.h"
+#  define count_cells  ntp__count_cells_avx2
+#  define count_alpha8 ntp__count_alpha8_avx2
+#  define count_close8 ntp__count_close8_avx2
+#  define survey8      ntp__survey8_avx2
+#  define sample8      ntp__sample8_avx2
+#else
+#  define count_cells  NULL
+#  define count_alpha8 NULL
+#  define count_close8 NULL
+#  include "texel/survey8_tmpl.h"
+#  define sample8 NULL
+#endif
 #include "texel/flags_tmpl.h"
 
 #include "texel/directions_tmpl.h"
@@ -434,8 +431,10 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     validate,
     validate_rgb,
     count_cells,
+    count_alpha8,
     count_close8,
     survey8,
+    sample8,
     survey,
     judge_block,
     count_close,

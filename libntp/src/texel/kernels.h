@@ -16,6 +16,7 @@
 #include "texel/cells.h"
 #include "texel/close.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -68,29 +69,43 @@ typedef void ntp__validate_fn(uint8_t *flags, int32_t *const c[4], int32_t n,
 typedef void ntp__validate_rgb_fn(uint8_t *flags, const void *src, int32_t n,
                                   const ntp__validity *how);
 
+/* Sums and extremes of packed texels of 8 bit: 0 of none.  The extremes are the greatest ones of these texels of
+ * 4 channels, of which the last one says nothing. */
+typedef struct ntp__packed_survey {
+    uint64_t texels, sum[3];
+    uint8_t extremes[2][32 * 4]; /* 255 less the least level, and the greatest */
+    int32_t translucent;         /* set where an alpha is not full */
+} ntp__packed_survey;
+
 /* What counts as used, and what was found among texels: how many of them are gray, and unused for being black or
- * white; and those that are neither, whose alpha is not full, and whose alpha and green lie in the disc. */
+ * white; and the sums and extremes of all. */
 enum { NTP__BLACK8 = 1, NTP__WHITE8 = 2, NTP__CLEAR8 = 4 /* alpha 0 */ };
 typedef struct ntp__found8 {
     uint32_t used;
-    uint32_t (*alpha)[256]; /* of four channels: counts of alpha, in four parts */
-    uint64_t gray, black, white, in_disc;
+    uint64_t gray, black, white;
+    ntp__packed_survey *survey;
 } ntp__found8;
 
 /*
  * Counts packed texels of 3 or 4 channels of 8 bit in the cells of a tally (cells.h), not in near
- * ones, a group of NTP__KERNEL_STEP after the other, up to one in which a texel is unused for alpha 0.  Black
- * and white ones that are unused are left out of the cells.  Returns of how many texels, and adds to `found`.
+ * ones, a group of NTP__KERNEL_STEP after the other.  Black and white ones that are unused are left out of
+ * the cells; those that are unused for alpha 0 are left out of all but the survey.  Returns of how many
+ * texels, and adds to `found`.  What lies `ahead` bytes further on is fetched.
  */
 typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, ntp__found8 *found, const uint8_t *src,
-                               int32_t n, int32_t channels);
+                               int32_t n, int32_t channels, size_t ahead);
 
-/* Sums and extremes of packed texels of 8 bit: 0 of none.  The extremes are the greatest ones of these texels of
- * 4 channels, of which the last one says nothing. */
-typedef struct ntp__close8_survey {
-    uint64_t texels, sum[3];
-    uint8_t extremes[2][32 * 4]; /* 255 less the least level, and the greatest */
-} ntp__close8_survey;
+/* Counts of alpha, in four parts; and how many texels have alpha and green in the disc: none of those that are
+ * black, white, opaque or of alpha 0. */
+typedef struct ntp__alphas8 {
+    uint32_t count[4][256];
+    uint64_t in_disc;
+} ntp__alphas8;
+
+/* Adds texels of 4 channels of 8 bit, a group of NTP__KERNEL_STEP after the other, up to one in which an alpha is
+ * less than `visible`, 0 or 1.  Returns of how many. */
+typedef int32_t ntp__count_alpha8_fn(ntp__alphas8 *alphas, const uint8_t *src, int32_t n,
+                                     int32_t visible);
 
 /* What is known of packed texels of 8 bit: the places of those that are not counted, in order, and at each of
  * these their row.  Instead of its place a kernel may give a color that is not gray, as row | blue << 16. */
@@ -98,13 +113,15 @@ typedef struct ntp__close8_block {
     uint16_t row[256];
     uint8_t left[256];
     uint32_t color[256];
-    int32_t others, colors;    /* how many are not counted: places, and colors */
-    ntp__close8_survey survey; /* of this block and those before; not all kernels add to it */
+    int32_t others, colors; /* how many are not counted: places, and colors */
+    int32_t visible,
+        hidden; /* of four channels, those of less alpha than `visible`, 0 or 1, are hidden: how many are */
+    ntp__packed_survey survey; /* of this block and those before */
 } ntp__close8_block;
 
 /*
- * Counts packed texels of 3 or 4 channels of 8 bit that are opaque, not gray and close to exact: all of
- * those with the derived blue, and of others those with places in the counts but for u < 4 (cells_tmpl.h).
+ * Counts packed texels of 3 or 4 channels of 8 bit that are not gray and close to exact: all of
+ * those with the derived blue, and of others those with places in the counts but for u < 4 (cells_avx2.c).
  * n <= 256, a multiple of NTP__KERNEL_LANES.  What lies `ahead`
  * bytes further on is fetched, as sums of the next row would wait for it.
  */
@@ -129,6 +146,34 @@ typedef struct ntp__survey8 {
 /* Of packed texels of 3 or 4 channels, but for the last 0 to 31.  Returns of how many. */
 typedef int32_t ntp__survey8_fn(ntp__survey8 *survey, const uint8_t *src, int32_t n,
                                 int32_t channels);
+
+/* Sums over the used texels of sampled rows, rounded to 8 bit. */
+typedef struct ntp__samples {
+    uint64_t n, sum[3], square[3], product[3]; /* products: r g, r b, g b */
+    uint64_t red_low, green_low;               /* below 128 */
+    uint64_t gamma_flat, gamma_unit;           /* near (188, 188); of length 1 as linear levels */
+} ntp__samples;
+
+/* Flat after gamma: red and green of 188, and 3 to both sides. */
+enum { NTP__GAMMA_FLAT_LEAST = 185, NTP__GAMMA_FLAT_RANGE = 6 };
+
+/* Is the length within 1/8 of 1 if the levels are decoded from sRGB first?  With s, the sum of their
+ * linear_square (measure/tally.h), its square is 4s + 3, and 49 M*M <= 64 (4s + 3) <= 81 M*M. */
+static inline bool ntp__linear_near_unit(uint32_t s)
+{
+    const int64_t unit = INT64_C(65535) * 65535;
+    const uint32_t least = (uint32_t) ((49 * unit - 192 + 255) / 256);
+    const uint32_t most = (uint32_t) ((81 * unit - 192) / 256);
+    return s - least <= most - least;
+}
+
+/* Adds packed texels of 3 or 4 channels, a group of NTP__KERNEL_STEP after the other, up to one with a texel that
+ * may be padding or unused: its red and green are within 15 of an end, or its alpha is 0.  Steps are those from the
+ * texel before, also the first; [0] within blocks of eight columns, [1] from one to the next.  `src` is in column
+ * x.  n <= 65536.  Returns of how many. */
+typedef int32_t ntp__sample8_fn(ntp__samples *samples, uint64_t steps[3][2],
+                                const uint32_t *linear_square, const uint8_t *src, int32_t n,
+                                int32_t channels, int32_t x);
 
 /* A block of texels, judged as standard or as Z-zero. */
 typedef struct ntp__judged_fit {
@@ -259,8 +304,10 @@ typedef struct ntp__kernels_table {
     ntp__validate_fn *validate;
     ntp__validate_rgb_fn *validate_rgb; /* NULL where planes are as fast */
     ntp__count8_fn *count_cells;        /* NULL where a table is faster than arithmetic */
+    ntp__count_alpha8_fn *count_alpha8; /* NULL where one by one is as fast */
     ntp__count_close8_fn *count_close8; /* NULL where look-ups are as fast */
     ntp__survey8_fn *survey8;
+    ntp__sample8_fn *sample8; /* NULL where planes are as fast */
     ntp__survey_fn *survey;
     ntp__judge_block_fn *judge_block;
     ntp__count_close_fn *count_close; /* NULL where judging them as all others is as fast */

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * cells_avx2.h - kernels for packed texels of 8 bit that count and add up, with AVX2
+ */
+#ifndef NTP_CELLS_AVX2_H
+#define NTP_CELLS_AVX2_H
+
+#include "texel/kernels.h"
+
+ntp__count8_fn ntp__count_cells_avx2;
+ntp__count_alpha8_fn ntp__count_alpha8_avx2;
+ntp__count_close8_fn ntp__count_close8_avx2;
+ntp__survey8_fn ntp__survey8_avx2;
+ntp__sample8_fn ntp__sample8_avx2;
+
+#endif

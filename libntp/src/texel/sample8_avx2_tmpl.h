@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * sample8_avx2_tmpl.h - moments and steps of packed texels of 8 bit; a part of cells_avx2.c
+ *
+ * Sums are integers: of 16 texels at a time, and of up to 2^16 in lanes of 32 bits.
+ */
+
+/* Squares and products of words add up to less than 2^29 in a lane. */
+INLINE __m256i plus_products(__m256i sums, __m256i a, __m256i b)
+{
+    return _mm256_add_epi32(sums, _mm256_madd_epi16(a, b));
+}
+
+/* Adds three times eight lanes. */
+ONE_COPY static void add_lanes(uint64_t to[3], const __m256i v[3])
+{
+    for (int32_t k = 0; k < 3; k++) {
+        const __m256i low = _mm256_and_si256(v[k], _mm256_set1_epi64x(UINT32_MAX));
+        const __m256i both = _mm256_add_epi64(low, _mm256_srli_epi64(v[k], 32));
+        to[k] += sum_of_lanes(&both);
+    }
+}
+
+/* Sums of bytes, in the low half of each lane, and of those in `across`, in the other half. */
+INLINE __m256i plus_steps(__m256i sums, __m256i bytes, __m256i across)
+{
+    const __m256i some = plus_bytes(_mm256_setzero_si256(), _mm256_and_si256(bytes, across));
+    return plus_bytes(_mm256_add_epi64(sums, _mm256_slli_epi64(some, 32)), bytes);
+}
+
+INLINE __m256i between(__m256i a, __m256i b)
+{
+    return _mm256_sub_epi8(_mm256_max_epu8(a, b), _mm256_min_epu8(a, b));
+}
+
+int32_t ntp__sample8_avx2(ntp__samples *to, uint64_t to_steps[3][2], const uint32_t *linear,
+                          const uint8_t *src, int32_t n, int32_t channels, int32_t x)
+{
+    enum { FLAT = NTP__GAMMA_FLAT_LEAST, RANGE = NTP__GAMMA_FLAT_RANGE, NEAR = 16 };
+    const layout8 layout = layout8_of(channels, true);
+    const __m256i low = _mm256_set1_epi16(255), none = _mm256_setzero_si256();
+    const __m256i columns = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
+    const __m256i across = _mm256_cmpeq_epi16(columns, _mm256_set1_epi16((short) (-x & 7)));
+    __m256i square[3] = { none, none, none }, product[3] = { none, none, none };
+    __m256i sum[3] = { none, none, none }, steps[3] = { none, none, none };
+    uint32_t high_r = 0, high_g = 0, flat = 0, unit = 0;
+    int32_t i = 0;
+    for (; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
+        __m256i pairs, blues, last, last_blues;
+        load_16(&pairs, &blues, src, &layout);
+        const __m256i b = _mm256_and_si256(blues, low);
+        const __m256i ends = _mm256_add_epi8(pairs, _mm256_set1_epi8(NEAR));
+        const __m256i at_end =
+            _mm256_cmpeq_epi8(_mm256_min_epu8(ends, _mm256_set1_epi8(2 * NEAR - 1)), ends);
+        const __m256i odd = _mm256_or_si256(_mm256_cmpeq_epi16(at_end, _mm256_set1_epi8(-1)),
+                                            are_hidden(blues, b, &layout));
+        if (!_mm256_testz_si256(odd, odd))
+            break;
+        load_16(&last, &last_blues, src - channels, &layout);
+        const __m256i r = _mm256_and_si256(pairs, low), g = _mm256_srli_epi16(pairs, 8);
+        square[0] = plus_products(square[0], r, r);
+        square[1] = plus_products(square[1], g, g);
+        square[2] = plus_products(square[2], b, b);
+        product[0] = plus_products(product[0], r, g);
+        product[1] = plus_products(product[1], r, b);
+        product[2] = plus_products(product[2], g, b);
+        sum[0] = plus_bytes(sum[0], r);
+        sum[1] = plus_bytes(sum[1], g);
+        sum[2] = plus_bytes(sum[2], b);
+        const __m256i step = between(pairs, last);
+        steps[0] = plus_steps(steps[0], _mm256_and_si256(step, low), across);
+        steps[1] = plus_steps(steps[1], _mm256_srli_epi16(step, 8), across);
+        steps[2] = plus_steps(steps[2], between(b, _mm256_and_si256(last_blues, low)), across);
+        const uint32_t high = (uint32_t) _mm256_movemask_epi8(pairs);
+        high_r += (uint32_t) __builtin_popcount(high & 0x55555555);
+        high_g += (uint32_t) __builtin_popcount(high & 0xaaaaaaaa);
+        const __m256i from = _mm256_sub_epi8(pairs, _mm256_set1_epi8((char) FLAT));
+        flat +=
+            words_set(_mm256_cmpeq_epi16(_mm256_subs_epu8(from, _mm256_set1_epi8(RANGE)), none));
+        const uint8_t *p = src;
+        _Pragma("GCC unroll 2") for (int32_t k = 0; k < GROUP; k++, p += channels)
+        {
+            unit += ntp__linear_near_unit(linear[p[0]] + linear[p[1]] + linear[p[2]]);
+        }
+    }
+    add_lanes(to->sum, sum);
+    add_lanes(to->square, square);
+    add_lanes(to->product, product);
+    for (int32_t k = 0; k < 3; k++) {
+        const uint64_t both = sum_of_lanes(&steps[k]);
+        to_steps[k][0] += (both & UINT32_MAX) - (both >> 32);
+        to_steps[k][1] += both >> 32;
+    }
+    to->n += (uint32_t) i;
+    to->red_low += (uint32_t) i - high_r;
+    to->green_low += (uint32_t) i - high_g;
+    to->gamma_flat += flat;
+    to->gamma_unit += unit;
+    return i;
+}

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_samples.c - packed texels of 8 bit are sampled, and their alpha is counted
+ *
+ * Runs of any length begin or end at a guard page.  They are added up here texel by texel; lengths after gamma
+ * by the inequality of the documentation, over tables of random squares.  Where a texel stops a kernel, all whole
+ * groups before it are done.
+ */
+#include "guarded.h"
+#include "texel/kernels.h"
+
+#include <string.h>
+
+enum { STEP = NTP__KERNEL_STEP, SKIPPED = 77, WIDEST = 150, TIMES = 40, LONG_RUN = 65536 };
+
+static uint32_t squares[256];
+
+static void fill_squares(uint64_t *seed)
+{
+    for (int32_t i = 0; i < 256; i++)
+        squares[i] = random_bits(seed) % 900000000;
+}
+
+/* Levels from the middle, but for few that stop the kernel. */
+static void fill(uint8_t *p, int32_t n, int32_t channels, uint64_t *seed)
+{
+    for (int32_t i = 0; i < n; i++, p += channels) {
+        for (int32_t c = 0; c < channels; c++)
+            p[c] = (uint8_t) (16 + random_bits(seed) % 224);
+        if (random_bits(seed) % 4 == 0)
+            p[0] = (uint8_t) (184 + random_bits(seed) % 9);
+        if (random_bits(seed) % 4 == 0)
+            p[1] = (uint8_t) (184 + random_bits(seed) % 9);
+        if (random_bits(seed) % 8 == 0)
+            p[random_bits(seed) % 3] = (uint8_t) random_level(seed, 255);
+        if (channels == 4 && random_bits(seed) % 512 == 0)
+            p[3] = 0;
+    }
+}
+
+static bool is_near_end(int32_t level)
+{
+    return level <= 15 || level >= 240;
+}
+
+static bool stops(const uint8_t *p, int32_t channels)
+{
+    return (is_near_end(p[0]) && is_near_end(p[1])) || (channels == 4 && p[3] == 0);
+}
+
+/* Adds a texel of column x, after another one. */
+static void add(ntp__samples *to, uint64_t steps[3][2], const uint8_t *p, int32_t channels,
+                int32_t x)
+{
+    const uint64_t unit = UINT64_C(65535) * 65535;
+    uint64_t length = 3;
+    for (int32_t c = 0; c < 3; c++) {
+        const int32_t step = p[c] - p[c - channels];
+        to->sum[c] += p[c];
+        to->square[c] += (uint64_t) p[c] * p[c];
+        steps[c][x % 8 == 0] += (uint64_t) (step < 0 ? -step : step);
+        length += 4 * (uint64_t) squares[p[c]];
+    }
+    to->n++;
+    to->product[0] += (uint64_t) p[0] * p[1];
+    to->product[1] += (uint64_t) p[0] * p[2];
+    to->product[2] += (uint64_t) p[1] * p[2];
+    to->red_low += p[0] < 128;
+    to->green_low += p[1] < 128;
+    to->gamma_flat += p[0] >= 185 && p[0] <= 191 && p[1] >= 185 && p[1] <= 191;
+    to->gamma_unit += 49 * unit <= 64 * length && 64 * length <= 81 * unit;
+}
+
+static void check_samples(const ntp__kernels_table *level, int32_t n, int32_t channels,
+                          uint64_t *seed)
+{
+    guarded src = guarded_alloc((size_t) (n + 1) * (size_t) channels, random_bits(seed) & 1);
+    const uint8_t *const p = (uint8_t *) src.data + channels;
+    ntp__samples found = { .n = 5 }, want = { .n = 5 };
+    uint64_t steps[3][2] = { { 1 } }, wanted[3][2] = { { 1 } };
+    const int32_t x = 1 + (int32_t) (random_bits(seed) % 100);
+    int32_t end = n / STEP * STEP;
+    fill(src.data, n + 1, channels, seed);
+    for (int32_t i = end - 1; i >= 0; i--)
+        end = stops(p + channels * i, channels) ? i / STEP * STEP : end;
+    for (int32_t i = 0; i < end; i++)
+        add(&want, wanted, p + channels * i, channels, x + i);
+    CHECK(level->sample8(&found, steps, squares, p, n, channels, x) == end);
+    CHECK(memcmp(&found, &want, sizeof found) == 0);
+    CHECK(memcmp(steps, wanted, sizeof steps) == 0);
+    guarded_free(&src);
+}
+
+/* The greatest sums of as many texels as one call may have. */
+static void check_bright(const ntp__kernels_table *level)
+{
+    static uint8_t bright[3 * (LONG_RUN + 1)];
+    ntp__samples found = { 0 }, want = { 0 };
+    uint64_t steps[3][2] = { { 0 } }, wanted[3][2] = { { 0 } };
+    for (int32_t i = 0; i < 3 * (LONG_RUN + 1); i++)
+        bright[i] = i % 3 != 1 && i / 3 % 2 == 0 ? 0 : i % 3 == 1 ? 239 : 255;
+    for (int32_t i = 0; i < LONG_RUN; i++)
+        add(&want, wanted, bright + 3 * (i + 1), 3, i);
+    CHECK(level->sample8(&found, steps, squares, bright + 3, LONG_RUN, 3, 0) == LONG_RUN);
+    CHECK(memcmp(&found, &want, sizeof found) == 0);
+    CHECK(memcmp(steps, wanted, sizeof steps) == 0);
+}
+
+static void check_alphas(const ntp__kernels_table *level, int32_t n, uint64_t *seed)
+{
+    guarded src = guarded_alloc((size_t) n * 4, random_bits(seed) & 1);
+    uint8_t *const p = src.data;
+    static ntp__alphas8 found, want;
+    const int32_t visible = (int32_t) (random_bits(seed) % 2);
+    int32_t end = n / STEP * STEP;
+    memset(&found, 0, sizeof found);
+    memset(&want, 0, sizeof want);
+    for (int32_t i = 0; i < 4 * n; i++)
+        p[i] = (uint8_t) random_level(seed, 255);
+    for (int32_t i = 0; i < n; i++)
+        p[4 * i + 3] |= random_bits(seed) % 64 != 0;
+    for (int32_t i = end - 1; i >= 0; i--)
+        end = p[4 * i + 3] < visible ? i / STEP * STEP : end;
+    for (int32_t i = 0; i < end; i++) {
+        const int32_t a = 2 * p[4 * i + 3] - 255, g = 2 * p[4 * i + 1] - 255;
+        want.count[0][p[4 * i + 3]]++;
+        want.in_disc += a * a + g * g <= 255 * 255;
+    }
+    CHECK(level->count_alpha8(&found, p, n, visible) == end);
+    for (int32_t a = 0; a < 256; a++)
+        CHECK(found.count[0][a] + found.count[1][a] + found.count[2][a] + found.count[3][a] ==
+              want.count[0][a]);
+    CHECK(found.in_disc == want.in_disc);
+    guarded_free(&src);
+}
+
+/* All pairs of alpha and green, each of one group. */
+static void check_disc(const ntp__kernels_table *level)
+{
+    static ntp__alphas8 found;
+    uint8_t texels[4 * STEP] = { 0 };
+    for (int32_t pair = 0; pair < 65536; pair++) {
+        const int32_t green = pair & 255, alpha = pair >> 8;
+        const int32_t a = 2 * alpha - 255, g = 2 * green - 255;
+        for (int32_t i = 0; i < STEP; i++) {
+            texels[4 * i + 1] = (uint8_t) green;
+            texels[4 * i + 3] = (uint8_t) alpha;
+        }
+        found.in_disc = 0;
+        CHECK(level->count_alpha8(&found, texels, STEP, 0) == STEP);
+        CHECK(found.in_disc == (a * a + g * g <= 255 * 255 ? STEP : 0));
+    }
+}
+
+int main(void)
+{
+    const ntp__kernels_table *const level = ntp__kernels(NTP__CPU_ALL);
+    uint64_t seed = 2718281828;
+    if (level->sample8 == NULL)
+        return SKIPPED;
+    for (int32_t i = 0; i < TIMES; i++) {
+        fill_squares(&seed);
+        for (int32_t n = 0; n <= WIDEST; n++) {
+            check_samples(level, n, 3 + i % 2, &seed);
+            check_alphas(level, n, &seed);
+        }
+    }
+    check_bright(level);
+    check_disc(level);
+    return 0;
+}
