@@ -102,6 +102,7 @@ static void add_dense_row(blue_sums *sums, blue_row *row, const ntp_tally *t, in
 
 static void add_cells(blue_sums *into, const ntp_tally *t)
 {
+    ntp__row_cells_fn *const read_row = ntp__row_reader();
     ntp__cells cells;
     blue_sums sums = { 0 }; /* in registers */
     for (int32_t i = 0; (i = ntp__next_row(t->cells.at.row_seen, i)) < NTP__ROWS; i++) {
@@ -115,19 +116,20 @@ static void add_cells(blue_sums *into, const ntp_tally *t)
             continue;
         }
 #endif
-        const int32_t n = ntp__row_cells(&cells, &t->cells, i);
+        const int32_t n = read_row(&cells, &t->cells, i);
+        /* Of a row that is not tilted, nothing is added to the sums of tilted ones. */
+        const double part_of = row.gap > GAP_THAT_TELLS ? 1 : 0;
         uint64_t texels = 0, blue = 0, blue2 = 0;
         for (int32_t k = 0; k < n; k++) {
             const uint64_t b = (uint64_t) cells.blue[k], part = b * cells.count[k];
             texels += cells.count[k];
             blue += part;
             blue2 += b * part;
+            add_tilted(&sums, &row, cells.blue[k], part_of * cells.count[k]);
         }
         row.n = (double) texels;
         row.blue = (double) blue;
         row.blue2 = (double) blue2;
-        for (int32_t k = 0; row.gap > GAP_THAT_TELLS && k < n; k++)
-            add_tilted(&sums, &row, cells.blue[k], cells.count[k]);
         add_row(&sums, &row);
     }
     *into = sums;

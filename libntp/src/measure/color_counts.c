@@ -9,6 +9,9 @@
 #include "texel/level.h"
 #include "measure/color_counts.h"
 #include "measure/merge.h"
+#ifdef NTP_HAVE_AVX512
+#  include "measure/colors_avx512.h"
+#endif
 
 #include <stdbool.h>
 #include <string.h>
@@ -118,10 +121,11 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
         uint64_t bits = (uint32_t) (first - i) < 64   ? any_near << (first - i)
                         : (uint32_t) (i - first) < 64 ? any_near >> (i - first)
                                                       : 0;
-        if (seen & NTP__SEEN_QUARTER << i / NTP__QUARTER)
+        if (seen & NTP__SEEN_QUARTER << i / NTP__QUARTER) {
             bits |= bytes_in_use(far + i);
-        for (int32_t k = 0; seen & NTP__SEEN_CARRIED && k < 64; k++)
-            bits |= (uint64_t) (carried[i + k] != 0) << k;
+            for (int32_t k = 0; seen & NTP__SEEN_CARRIED && k < NTP__QUARTER; k += 16)
+                bits |= (uint64_t) ntp__in_use16(carried + i + k) << k;
+        }
         for (; bits != 0; bits &= bits - 1) {
             const int32_t blue = i + __builtin_ctzll(bits);
             const uint32_t place = (uint32_t) (blue - first);
@@ -140,6 +144,15 @@ static inline int32_t first_of(int32_t k1)
     return k1 * (k1 + 1) / 2;
 }
 
+ntp__row_cells_fn *ntp__row_reader(void)
+{
+#ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        return ntp__row_cells_avx512;
+#endif
+    return ntp__row_cells;
+}
+
 /* The row after this one, of those whose magnitudes are at most `most`: flat ones are the last. */
 static inline int32_t next_of(int32_t row, int32_t most)
 {
@@ -149,12 +162,21 @@ static inline int32_t next_of(int32_t row, int32_t most)
 /* Are there close texels of a row?  Most rows have none. */
 static inline bool any_close(const ntp__color_counts *t, int32_t row)
 {
+#ifdef __SSE2__
+    __m128i any = _mm_setzero_si128();
+    for (uint32_t i = 0; i < NTP__CLOSE8_BLUES; i++) {
+        const uint32_t *const close = t->close[ntp__close8_of((uint32_t) row, i)];
+        any = _mm_or_si128(any, _mm_loadu_si128((const __m128i *) (const void *) close));
+    }
+    return _mm_movemask_epi8(_mm_cmpeq_epi8(any, _mm_setzero_si128())) != 0xffff;
+#else
     uint64_t any = 0, two[2];
     for (uint32_t i = 0; i < NTP__CLOSE8_BLUES; i++) {
         memcpy(two, t->close[ntp__close8_of((uint32_t) row, i)], sizeof two);
         any |= two[0] | two[1];
     }
     return any != 0;
+#endif
 }
 
 static void add_to_cell(ntp__color_counts *t, uint32_t row, uint32_t blue, uint32_t count)

@@ -17,6 +17,7 @@
 
 #include "texel/cells.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 #ifdef __SSE2__
@@ -68,14 +69,18 @@ static inline uint32_t ntp__entry_first(uint32_t entry)
     return entry & 255;
 }
 
-/* The colors of a row that occur, by rising blue, and how often. */
+/* The colors of a row that occur, by rising blue, and how often.  What follows them is changed too. */
 typedef struct ntp__cells {
-    int32_t blue[256];
-    uint32_t count[256];
+    int32_t blue[256 + NTP__NEAR];
+    uint32_t count[256 + NTP__NEAR];
 } ntp__cells;
 
 /* Those of a row that was seen; returns their number. */
 int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *counts, int32_t row);
+
+/* The quickest function that does this. */
+typedef int32_t ntp__row_cells_fn(ntp__cells *cells, const ntp__color_counts *counts, int32_t row);
+ntp__row_cells_fn *ntp__row_reader(void);
 
 /* A bit for each of 16 counts, as of near cells, that is not 0. */
 static inline uint32_t ntp__in_use16(const uint32_t *count)
@@ -108,6 +113,14 @@ static inline int32_t ntp__next_row(const uint8_t seen[NTP__ROWS], int32_t row)
     while (row < NTP__ROWS && seen[row] == 0)
         row++;
     return row;
+}
+
+/* Are red and green of a row that was seen not too long? */
+static inline bool ntp__row_is_on_disc(const ntp__color_counts *counts, int32_t row)
+{
+    enum { K = 128, REST = (255 * 255 - 5) / 4 };
+    const int32_t k1 = (counts->row[row].pair & 255) - K, k2 = (counts->row[row].pair >> 8) - K;
+    return k1 * (k1 + 1) + k2 * (k2 + 1) <= REST;
 }
 
 /* The greatest magnitude, k for |X| or |Y| = 2k + 1, of a level between these two. */

@@ -411,10 +411,9 @@ ONE_COPY static void add_angles(ntp__sums *sums, dense_row *d, places *p)
     count_places(sums, d, p, fails->bins, negative->bins);
 }
 
-/* Do so many cells of a row hold counts that it pays to look at all of them? */
-static bool is_dense(const uint8_t *far)
+/* Do so many cells of a row hold counts? */
+static bool is_dense(const uint8_t *far, int32_t least)
 {
-    enum { LEAST = 96 };
     const __m256i zero = _mm256_setzero_si256();
     __m256i unused = zero; /* as negative numbers, of -8 at most */
     for (int32_t b = 0; b < 256; b += 32) {
@@ -424,7 +423,7 @@ static bool is_dense(const uint8_t *far)
     const __m256i sum = _mm256_sad_epu8(_mm256_sub_epi8(zero, unused), zero);
     const __m128i half =
         _mm_add_epi64(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
-    return _mm_cvtsi128_si32(_mm_add_epi64(half, _mm_unpackhi_epi64(half, half))) <= 256 - LEAST;
+    return _mm_cvtsi128_si32(_mm_add_epi64(half, _mm_unpackhi_epi64(half, half))) <= 256 - least;
 }
 
 ONE_COPY static void read_row(uint32_t count[256], const ntp__color_counts *counts, int32_t row)
@@ -439,12 +438,12 @@ ONE_COPY static void read_row(uint32_t count[256], const ntp__color_counts *coun
 }
 
 bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts,
-                             int32_t row)
+                             int32_t row, int32_t least)
 {
     const int32_t pair = counts->row[row].pair;
     dense_row d;
     places p;
-    if (!is_dense(&counts->at.far[row * NTP__ROW_CELLS]))
+    if (!is_dense(&counts->at.far[row * NTP__ROW_CELLS], least))
         return false;
     read_row(d.blue, counts, row);
     for (int32_t b = 0; b < 256; b++)

@@ -11,6 +11,7 @@
 #include "texel/lengths_avx512_tmpl.h"
 #include "texel/packed_avx512_tmpl.h"
 #include "texel/survey_avx512_tmpl.h"
+#include "texel/turn_avx512.h"
 #include "texel/turn_avx512_tmpl.h"
 
 #include <stddef.h>
@@ -203,51 +204,25 @@ static void end_lengths(ntp__fit_sums *fit, const far_lengths *s)
     ntp__merge_max(&fit->length_inverted_min, greatest_of(&inverted));
 }
 
-/* The place of a texel below the horizon, by its place among these. */
-static int32_t find_lower(const far_texels *f, int32_t left)
-{
-    const __mmask16 *these = f->is_lower;
-    for (; left >= count_of(*these); these++)
-        left -= count_of(*these);
-    uint32_t lower = *these;
-    for (; left > 0; left--)
-        lower &= lower - 1;
-    return (int32_t) (these - f->is_lower) * LANES_512 + __builtin_ctz(lower);
-}
-
 static int32_t turn_again(const far_texels *f, int32_t at)
 {
-    const int32_t longs = f->n + f->negative, i = at < f->n ? at : find_lower(f, at - f->n);
+    const int32_t longs = f->n + f->negative,
+                  i = at < f->n ? at : find_lower(f->is_lower, at - f->n);
     if (at >= longs)
         return slow_turn(f->s2[at - longs], f->d[at]);
-    const double w = at < f->n && f->z[i] < -1 ? -f->z[i] : f->root[i], far = f->z[i] - w;
-    return slow_turn((4.0 * f->xy[i] + 2) * far * far, f->d[at]);
+    return flat_turn_again(f->d[at], f->xy[i], f->z[i], f->root[i], at < f->n);
 }
 
 /* All angles. */
 static void turn_vectors(far_texels *f)
 {
-    int32_t again[ALL], lower = f->n;
+    int32_t again[ALL];
     store(f->rg_long + f->too_long, _mm512_setzero_si512());
     store(f->b_long + f->too_long, _mm512_setzero_si512());
-    for (int32_t i = 0; i < f->n; i += 8) {
-        const __m512d z = doubles_of(f->z + i), w = doubles_of(f->root + i),
-                      zero = _mm512_setzero_pd();
-        const __m512d rho2 = _mm512_fmadd_pd(doubles_of(f->xy + i), eight(4), eight(2));
-        const __m512d rho = root_of_doubles(rho2);
-        const __mmask8 negative = _mm512_cmp_pd_mask(z, eight(-1), _CMP_LT_OQ);
-        const __mmask8 these = (__mmask8) (f->is_lower[group_of(i)] >> i % LANES_512);
-        __m512d s, d;
-        flat_products(&s, &d, rho, rho2, z, _mm512_mask_sub_pd(w, negative, zero, z));
-        _mm512_storeu_pd(f->s + i, s);
-        _mm512_storeu_pd(f->d + i, d);
-        flat_products(&s, &d, rho, rho2, z, w);
-        _mm512_storeu_pd(f->s + lower, _mm512_maskz_compress_pd(these, s));
-        _mm512_storeu_pd(f->d + lower, _mm512_maskz_compress_pd(these, d));
-        lower += __builtin_popcount(these);
-    }
+    const int32_t lower =
+        ntp__flat_vectors_avx512(f->s, f->d, f->xy, f->z, f->root, f->is_lower, f->n);
     long_products(f->s + lower, f->s2, f->d + lower, f->rg_long, f->b_long, f->too_long);
-    int32_t left = turns_of(f->turn, again, f->base, f->s, f->d, lower + f->too_long);
+    int32_t left = ntp__turns_avx512(f->turn, again, f->base, f->s, f->d, lower + f->too_long);
     while (left-- > 0)
         f->turn[again[left]] = turn_again(f, again[left]);
 }
@@ -286,15 +261,6 @@ static void end_angles(uint64_t *count, uint64_t *sum, uint64_t *max, const far_
     *count += sums->texels;
     *sum += sum_of_wide(&sums->sum);
     *max = most > *max ? most : *max;
-}
-
-/* v / d of numbers below 2^28, where `by` is 2^shift / d, rounded up: as compilers have it. */
-static inline __m512i divided(__m512i v, uint32_t by, unsigned shift)
-{
-    const __m512i factor = all((int32_t) by);
-    const __m512i even = _mm512_srli_epi64(_mm512_mul_epu32(v, factor), shift);
-    const __m512i odd = _mm512_mul_epu32(_mm512_srli_epi64(v, 32), factor);
-    return _mm512_or_si512(even, _mm512_slli_epi64(_mm512_srli_epi64(odd, shift), 32));
 }
 
 /* Sums angles, and makes words of them. */

@@ -9,6 +9,9 @@
 #ifdef NTP_HAVE_AVX2
 #  include "measure/dense_row_avx2.h"
 #endif
+#ifdef NTP_HAVE_AVX512
+#  include "measure/colors_avx512.h"
+#endif
 
 /* Adds the cells of one row. */
 static void add_row(ntp_tally *t, ntp__color_batch *batch, int32_t row, int32_t m,
@@ -34,26 +37,48 @@ static void add_row(ntp_tally *t, ntp__color_batch *batch, int32_t row, int32_t 
     }
 }
 
+#ifdef NTP_HAVE_AVX2
+/* Adds a row as a whole, if so many of its cells hold counts. */
+static bool add_dense_row(ntp_tally *t, int32_t row, int32_t least)
+{
+    uint8_t *const seen = &t->cells.at.row_seen[row];
+    *seen &= (uint8_t) ~NTP__SEEN_DENSE; /* it may be noted for an encoding before */
+    if (!(*seen & NTP__SEEN_QUARTERS) ||
+        !ntp__add_dense_row_avx2(&t->used, t->blues, &t->cells, row, least))
+        return false;
+    *seen |= NTP__SEEN_DENSE;
+    return true;
+}
+#endif
+
 static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
     ntp__color_batch batch;
+    bool quick = m == 255 && encoding == NTP_ENCODING_STANDARD;
     batch.n = 0;
     ntp__note_rows(&t->cells, ntp__steepest_of(t));
 #ifdef NTP_HAVE_AVX2
-    /* set with AVX2 only */
-    const bool dense = t->cells.grouped && m == 255 && encoding == NTP_ENCODING_STANDARD;
+    const bool dense = t->cells.grouped && quick; /* set with AVX2 only */
+#endif
+#ifdef NTP_HAVE_AVX512
+    quick = quick && ntp__cpu_has_avx512(NTP__CPU_ALL);
+#else
+    quick = false;
 #endif
     for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++) {
+        const bool waits = quick && ntp__row_is_on_disc(&t->cells, row);
 #ifdef NTP_HAVE_AVX2
-        if (dense && t->cells.at.row_seen[row] & NTP__SEEN_QUARTERS &&
-            ntp__add_dense_row_avx2(&t->used, t->blues, &t->cells, row)) {
-            t->cells.at.row_seen[row] |= NTP__SEEN_DENSE;
+        if (dense && add_dense_row(t, row, waits ? NTP__DENSE_512 : NTP__DENSE))
             continue;
-        }
 #endif
-        add_row(t, &batch, row, m, encoding);
+        if (!waits)
+            add_row(t, &batch, row, m, encoding);
     }
     ntp__end_batch(&t->used, &batch, m, encoding);
+#ifdef NTP_HAVE_AVX512
+    if (quick)
+        ntp__add_colors_avx512(&t->used, t->blues, &t->cells);
+#endif
 }
 
 static void add_gray(ntp_tally *t, int32_t level, int32_t m, uint64_t count, ntp_encoding encoding)

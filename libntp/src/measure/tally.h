@@ -10,6 +10,7 @@
  *   color_counts.h   how often each color of 8 bit occurs: the cells
  *   judged_sums.h    what judged texels add up to: verdicts, lengths, angles
  *   dense_row_avx2.h the same for rows of cells of which many hold counts
+ *   colors_avx512.h  the same for other rows, with AVX-512
  *   close_sums.c     the same for 16-bit texels that are close to exact
  *   far_texels.h     the same for those that are far from it, as noise is
  *   sampled_rows.c   what costs more than a count, and is measured on some rows only

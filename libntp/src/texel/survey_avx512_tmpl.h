@@ -12,12 +12,7 @@
 #include "texel/kernels.h"
 #include "texel/lengths_avx512_tmpl.h"
 #include "texel/packed_avx512_tmpl.h"
-
-/* Of eight lanes. */
-ONE_COPY static uint64_t sum_of_wide(const __m512i *v)
-{
-    return (uint64_t) _mm512_reduce_add_epi64(*v);
-}
+#include "texel/sums_avx512_tmpl.h"
 
 /* Of sixteen. */
 ONE_COPY static uint64_t sum_of(const __m512i *v)
@@ -25,11 +20,6 @@ ONE_COPY static uint64_t sum_of(const __m512i *v)
     const __m512i even = _mm512_and_si512(*v, _mm512_set1_epi64(UINT32_MAX));
     const __m512i both = _mm512_add_epi64(even, _mm512_srli_epi64(*v, 32));
     return sum_of_wide(&both);
-}
-
-ONE_COPY static uint32_t greatest_of(const __m512i *v)
-{
-    return _mm512_reduce_max_epu32(*v);
 }
 
 /* Extremes and sums so far: of levels, and of those inverted; red and green in one. */

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * test_colors.c - rows of cells that are read and judged with AVX-512 have the sums of their colors, one by one
+ *
+ * All colors whose red and green are not too long, each once; then random counts in each kind of cell, few and
+ * many of them, from one color on.  The colors are judged by the loops in plain C.  Then tallies of noise.
+ */
+#include "guarded.h"
+#include "measure/tally.h"
+#include "texel/level.h"
+#include "without_avx2.h"
+#include "without_avx512.h"
+#ifdef NTP_HAVE_AVX512
+#  include "measure/colors_avx512.h"
+#endif
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { SKIPPED = 77, WIDTH = 500, HEIGHT = 300 };
+
+#ifdef NTP_HAVE_AVX512
+static ntp__color_counts counts;
+static ntp__sums rows, colors;
+static uint64_t blues[2][256];
+
+static void put_far(int32_t row, int32_t b, uint32_t n)
+{
+    const int32_t cell = row * NTP__ROW_CELLS + b;
+    counts.at.far[cell] = (uint8_t) n;
+    counts.at.carried[cell] = n >> 8;
+    counts.at.row_seen[row] |=
+        (uint8_t) (NTP__SEEN_QUARTER << b / NTP__QUARTER | (n > 255 ? NTP__SEEN_CARRIED : 0));
+}
+
+static void put_near(int32_t row, int32_t place, uint32_t n)
+{
+    counts.at.near[row * NTP__NEAR + place] = n;
+    counts.at.row_seen[row] |= NTP__SEEN_NEAR;
+}
+
+/* Kind 0: all blues of a row; else one in that many cells, on the average. */
+static void fill(int32_t row, uint32_t kind, uint64_t *seed)
+{
+    for (int32_t b = 0; b < 256; b++) {
+        if (kind == 0)
+            put_far(row, b, 1);
+        else if (random_bits(seed) % kind == 0)
+            put_far(row, b, 1 + (random_bits(seed) >> (14 + random_bits(seed) % 18)));
+    }
+    for (int32_t i = 0; kind != 0 && i < NTP__NEAR; i++) {
+        if (random_bits(seed) % kind == 0)
+            put_near(row, i, 1 + random_bits(seed) % 1000);
+    }
+}
+
+static void clear(int32_t row)
+{
+    memset(&counts.at.far[row * NTP__ROW_CELLS], 0, 256);
+    memset(&counts.at.carried[row * NTP__ROW_CELLS], 0, 256 * sizeof counts.at.carried[0]);
+    memset(&counts.at.near[row * NTP__NEAR], 0, NTP__NEAR * sizeof counts.at.near[0]);
+    counts.at.row_seen[row] = 0;
+}
+
+/* The colors of a row, from its cells; returns how many they are. */
+static int32_t add_colors(ntp__color_batch *batch, int32_t row)
+{
+    const int32_t r = counts.row[row].pair & 255, g = counts.row[row].pair >> 8;
+    int32_t found = 0;
+    for (int32_t b = 0; b < 256 && ntp__rest(r, g, 255) >= 0; b++) {
+        const int32_t c[] = { r, g, b }, cell = row * NTP__ROW_CELLS + b;
+        const uint32_t place = (uint32_t) (b - counts.row[row].first);
+        uint32_t n = counts.at.far[cell] + (counts.at.carried[cell] << 8);
+        n += place < NTP__NEAR ? counts.at.near[row * NTP__NEAR + (int32_t) place] : 0;
+        if (n == 0)
+            continue;
+        blues[1][b] += n;
+        found++;
+        ntp__put_color(&colors, batch, c, n, 255, NTP_ENCODING_STANDARD);
+    }
+    return found;
+}
+
+/* `step` rows at a time. */
+static int32_t check_rows(uint32_t kind, int32_t step, uint64_t *seed)
+{
+    ntp__color_batch batch;
+    int32_t found = 0;
+    batch.n = 0;
+    memset(&rows, 0, sizeof rows);
+    memset(&colors, 0, sizeof colors);
+    memset(blues, 0, sizeof blues);
+    for (int32_t first = 0; first < NTP__ROWS; first += step) {
+        const int32_t end = first + step < NTP__ROWS ? first + step : NTP__ROWS;
+        for (int32_t row = first; row < end; row++)
+            fill(row, kind, seed);
+        allowed = false;
+        for (int32_t row = first; row < end; row++)
+            found += add_colors(&batch, row);
+        ntp__end_batch(&colors, &batch, 255, NTP_ENCODING_STANDARD);
+        allowed = true;
+        ntp__add_colors_avx512(&rows, blues[0], &counts);
+        for (int32_t row = first; row < end; row++)
+            clear(row);
+        /* Both were zero-filled, padding included.  NOLINTNEXTLINE */
+        CHECK(memcmp(&rows, &colors, sizeof rows) == 0);
+        CHECK(memcmp(blues[0], blues[1], sizeof blues[0]) == 0);
+    }
+    return found;
+}
+
+static void check_tallies(uint64_t *seed)
+{
+    static ntp__evidence evidence[2];
+    uint8_t *const texels = malloc((size_t) WIDTH * HEIGHT * 3);
+    ntp_tally *const tally[2] = { calloc(1, ntp_tally_size()), calloc(1, ntp_tally_size()) };
+    CHECK(texels != NULL && tally[0] != NULL && tally[1] != NULL);
+    for (int32_t i = 0; i < WIDTH * HEIGHT * 3; i++)
+        texels[i] = (uint8_t) (random_level(seed, 255) / (1 + i / (WIDTH * HEIGHT)));
+    const ntp_image image = ntp_image_packed(texels, WIDTH, HEIGHT, 3, NTP_TYPE_U8);
+    const ntp_const_image view = ntp_image_as_const(&image);
+    for (int32_t i = 0; i < 2; i++) {
+        allowed_512 = i == 1;
+        CHECK(ntp_tally_add(tally[i], &view, 0, NULL) == NTP_OK);
+        CHECK(ntp__sum_up(tally[i], NTP_ENCODING_STANDARD) == NTP_OK);
+        CHECK(ntp__gather_evidence(&evidence[i], tally[i]) == NTP_OK);
+    }
+    /* NOLINTNEXTLINE */
+    CHECK(memcmp(&tally[0]->used, &tally[1]->used, sizeof tally[0]->used) == 0);
+    CHECK(memcmp(tally[0]->blues, tally[1]->blues, sizeof tally[0]->blues) == 0);
+    /* All were zero-filled, padding included.  NOLINTNEXTLINE */
+    CHECK(memcmp(&evidence[0], &evidence[1], sizeof evidence[0]) == 0);
+    free(tally[1]);
+    free(tally[0]);
+    free(texels);
+}
+#endif
+
+int main(void)
+{
+    allowed = allowed_512 = true;
+#ifdef NTP_HAVE_AVX512
+    uint64_t seed = 1357;
+    if (!ntp__cpu_has_avx512(NTP__CPU_ALL))
+        return SKIPPED;
+    ntp__rows_prepare(&counts);
+    CHECK(check_rows(0, 100, &seed) > 1500000);
+    for (uint32_t kind = 2; kind < 12; kind++)
+        CHECK(check_rows(kind, 300, &seed) > 100000);
+    CHECK(check_rows(3, 70, &seed) > 500000);
+    CHECK(check_rows(40, 7, &seed) > 40000);
+    CHECK(check_rows(400, 5, &seed) > 4000);
+    check_tallies(&seed);
+    return 0;
+#else
+    return ntp__cpu_has_avx512(NTP__CPU_ALL) ? 1 : SKIPPED;
+#endif
+}
