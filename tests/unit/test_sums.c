@@ -465,11 +465,11 @@ int main(int argc, char **argv)
     if ((avx2 && !ntp__cpu_has_avx2(NTP__CPU_ALL)) ||
         (allowed_512 && !ntp__cpu_has_avx512(NTP__CPU_ALL)))
         return SKIPPED;
-    const ntp__kernels_table *level = ntp__kernels(avx2 ? NTP__CPU_AVX2 : 0);
+    ntp__kernels_table level;
+    ntp__pick_kernels(&level, allowed_512 ? NTP__CPU_ALL : avx2 ? NTP__CPU_AVX2 : 0);
     uint64_t seed = 2026;
-    printf("level %s\n", allowed_512 ? "avx512" : level->name);
-    if (!allowed_512)
-        check_close(level, &seed);
+    printf("level %s\n", allowed_512 ? "avx512" : level.name);
+    check_close(&level, &seed);
     if (avx2)
         check_far(&seed);
 #ifdef NTP_HAVE_AVX512

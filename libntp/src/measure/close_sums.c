@@ -50,11 +50,9 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_co
 #endif
     count(&found, close, zz->levels_off, colors, n);
     if (found.texels > 0) {
-        zz->length_sum += (uint64_t) (found.texels * (int64_t) NTP__LENGTH_ONE + found.length_sum);
+        zz->length_sum += (uint64_t) ((int64_t) found.texels * NTP__LENGTH_ONE + found.length_sum);
         zz->length_error2[0] += found.length_error2;
-        add_extremes(zz, (uint32_t) (NTP__LENGTH_ONE + found.least),
-                     (uint32_t) (NTP__LENGTH_ONE + found.greatest),
-                     (uint32_t) found.levels_off_max);
+        add_extremes(zz, found.least, found.greatest, found.levels_off_max);
         sums->texels += (uint32_t) found.texels;
         sums->angles.texels += (uint32_t) (found.texels - found.turned);
         sums->angles.bins[0] += (uint32_t) (found.texels - found.turned);

@@ -319,6 +319,7 @@ static void begin(far_texels *f)
 {
     f->waiting = 0;
     memset(&f->sums, 0, sizeof f->sums);
+    begin_survey(&f->sums.seen);
     for (int32_t k = 0; k < 2; k++)
         f->sums.lengths[k].least = all(INT32_MAX);
 }
@@ -423,7 +424,7 @@ static int32_t add_far(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found
     if (left < *n)
         end(sums, &f);
     if (rgb != NULL)
-        end_survey(found, &f.sums.seen);
+        ntp__end_survey_avx512(found, &f.sums.seen);
     far->skip = left > *n - (int32_t) ((uint32_t) *n / 4) ? SKIPPED : 0;
     return left;
 }

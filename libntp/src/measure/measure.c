@@ -5,7 +5,7 @@
 #include "measure/tally.h"
 
 #include "base/cpu.h"
-#include "texel/kernels.h"
+#include "texel/kernels_avx512.h"
 #include "texel/level.h"
 
 #include <string.h>
@@ -393,8 +393,7 @@ static void count_row(ntp_tally *t, waiting *w, packed_counts *packed, const ntp
     bool bytes = !picture && !t->cells.few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
                  ntp__is_packed(src);
     bool words = src->encoding == NTP_ENCODING_STANDARD && src->type == NTP_TYPE_U16 &&
-                 src->channels == 3 && ntp__is_packed(src) &&
-                 ntp__kernels(NTP__CPU_ALL)->count_exact != NULL;
+                 src->channels == 3 && ntp__is_packed(src) && w->count_exact != NULL;
     bool gray = picture && src->type == NTP_TYPE_U8 && src->channels == 1 && ntp__is_packed(src);
     int32_t m = ntp__max(src->type), step = bytes || gray ? x1 - x0 : NTP__BLOCK;
     const uint64_t used = t->narrow + t->wide.texels;
@@ -408,7 +407,7 @@ static void count_row(ntp_tally *t, waiting *w, packed_counts *packed, const ntp
         } else if (bytes) {
             count_packed8(t, packed, ntp__at(src, x, y), n, src->channels);
         } else if (words && w->noise == 0) {
-            count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), n);
+            n = count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), x1 - x);
         } else {
             ntp__block block;
             w->noise -= words;
@@ -461,6 +460,7 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     tally->summed = 0;
     waiting left;
     left.n = left.noise = 0;
+    left.count_exact = exact_kernel();
     left.block.any_broken = false;
     for (int32_t i = 0; i < NTP__BLOCK; i++)
         left.block.c[3][i] = 65535;

@@ -10,7 +10,8 @@
 typedef struct waiting {
     ntp__block block;
     int32_t n;
-    int32_t noise; /* blocks to come in which exact ones are not looked for */
+    int32_t noise;                    /* blocks to come in which exact ones are not looked for */
+    ntp__count_exact_fn *count_exact; /* NULL where planes are as fast */
 } waiting;
 
 enum { NOISE = 7 };
@@ -39,22 +40,37 @@ static void wait(ntp_tally *t, waiting *w, const uint16_t *p)
     w->n++;
 }
 
-/* Standard, as most textures of 16 bit are. */
-static void count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+static ntp__count_exact_fn *exact_kernel(void)
+{
+#ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        return ntp__count_exact_avx512;
+#endif
+    return ntp__kernels(NTP__CPU_ALL)->count_exact;
+}
+
+/* Standard, as most textures of 16 bit are.  Returns how many of n are done. */
+static int32_t count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 {
     ntp__exact_block found;
-    const int32_t done = ntp__kernels(NTP__CPU_ALL)->count_exact(&found, &t->close, p, n);
-    add_planes(t, &found.survey);
-    ntp__add_exact(&t->wide, &found);
-    t->is_wide |= found.texels > 0;
-    if (found.texels == 0)
-        w->noise = NOISE;
+    int32_t done = n;
+    found.texels = 0;
+    if (n < NTP__EXACT_GROUP) {
+        for (int32_t i = 0; i < n; i++) {
+            add_color(t, p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+            found.left[i] = i;
+        }
+    } else {
+        done = w->count_exact(&found, &t->close, p, n);
+        add_planes(t, &found.survey);
+        ntp__add_exact(&t->wide, &found);
+        t->is_wide |= found.texels > 0;
+        if (found.texels == 0)
+            w->noise = NOISE;
+    }
     for (int32_t i = 0; i < done - found.texels; i++)
         wait(t, w, p + 3 * found.left[i]);
-    for (int32_t i = done; i < n; i++) {
-        add_color(t, p[3 * i], p[3 * i + 1], p[3 * i + 2]);
-        wait(t, w, p + 3 * i);
-    }
+    return done;
 }
 
 #ifdef NTP_HAVE_AVX512

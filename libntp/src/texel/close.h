@@ -70,10 +70,10 @@ typedef struct ntp__close_block {
     int32_t texels, turned; /* how many are close, and how many of these are not exact */
     int32_t left;           /* how many are not, and wait at the front of the planes */
     int32_t angle[256];     /* of those that are turned, as in ntp__judged */
-    /* as Z-zero: lengths less 65536, in 1/65536 */
-    int64_t length_sum;
+    /* as Z-zero: of lengths less 65536, in 1/65536; extremes of lengths */
+    int32_t length_sum;
     uint64_t length_error2;
-    int32_t least, greatest, levels_off_max;
+    uint32_t least, greatest, levels_off_max;
 } ntp__close_block;
 
 #endif

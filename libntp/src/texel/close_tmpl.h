@@ -200,29 +200,27 @@ static inline int32_t note_turned(close_places *p, int32_t turned, const close_l
     return turned;
 }
 
-/* Sums and extremes of eight lanes of whole blocks: squares are below 2^27, and there are 32. */
-static inline void close_sums(ntp__close_block *out, __m256i sum, __m256i squares, __m256i least,
-                              __m256i greatest, __m256i most)
+ONE_COPY static int32_t sum_of_eight(__m256i v)
 {
-    int32_t s[8], low[8], high[8], off[8];
-    uint32_t q[8];
-    store_eight(s, sum);
-    store_eight(q, squares);
-    store_eight(low, least);
-    store_eight(high, greatest);
-    store_eight(off, most);
-    out->length_sum = 0;
-    out->length_error2 = 0;
-    out->least = INT32_MAX;
-    out->greatest = INT32_MIN;
-    out->levels_off_max = 0;
-    for (int i = 0; i < 8; i++) {
-        out->length_sum += s[i];
-        out->length_error2 += q[i];
-        out->least = low[i] < out->least ? low[i] : out->least;
-        out->greatest = high[i] > out->greatest ? high[i] : out->greatest;
-        out->levels_off_max = off[i] > out->levels_off_max ? off[i] : out->levels_off_max;
-    }
+    const __m128i four = _mm_add_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    const __m128i two = _mm_add_epi32(four, _mm_shuffle_epi32(four, 0x4e));
+    return _mm_cvtsi128_si32(_mm_add_epi32(two, _mm_shuffle_epi32(two, 0xb1)));
+}
+
+/* Of numbers without a sign. */
+ONE_COPY static uint64_t sum_of_squares(__m256i v)
+{
+    uint64_t sums[4];
+    const __m256i even = _mm256_and_si256(v, _mm256_set1_epi64x(UINT32_MAX));
+    store_eight(sums, _mm256_add_epi64(_mm256_srli_epi64(v, 32), even));
+    return sums[0] + sums[1] + sums[2] + sums[3];
+}
+
+ONE_COPY static uint32_t greatest_of_eight(__m256i v)
+{
+    const __m128i four = _mm_max_epu32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    const __m128i two = _mm_max_epu32(four, _mm_shuffle_epi32(four, 0x4e));
+    return (uint32_t) _mm_cvtsi128_si32(_mm_max_epu32(two, _mm_shuffle_epi32(two, 0xb1)));
 }
 
 static void count_places(ntp__close_counts *counts, uint32_t *levels_off, const close_places *p,
@@ -240,7 +238,7 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
                         int32_t *const c[3], int32_t n)
 {
     __m256i sum = _mm256_setzero_si256(), squares = sum, most = sum;
-    __m256i least = eight(INT32_MAX), greatest = eight(INT32_MIN);
+    __m256i least = eight(-1), greatest = sum;
     close_places p;
     int32_t i = 0, texels = 0, turned = 0, left = 0;
     for (; i + 8 <= n; i += 8) {
@@ -267,8 +265,9 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
         const __m256i size = _mm256_abs_epi32(v.longer);
         sum = _mm256_add_epi32(sum, v.longer);
         squares = _mm256_add_epi32(squares, _mm256_madd_epi16(size, size));
-        least = _mm256_min_epi32(least, v.longer);
-        greatest = _mm256_max_epi32(greatest, v.longer);
+        const __m256i length = _mm256_add_epi32(v.longer, eight(NTP__LENGTH_ONE));
+        least = _mm256_min_epu32(least, length);
+        greatest = _mm256_max_epu32(greatest, length);
         most = _mm256_max_epi32(most, v.off);
     }
     for (; i < n; i++, left++) {
@@ -278,7 +277,12 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
     out->texels = texels;
     out->turned = turned;
     out->left = left;
-    close_sums(out, sum, squares, least, greatest, most);
+    /* squares are below 2^27, and there are 32 */
+    out->length_sum = sum_of_eight(sum);
+    out->length_error2 = sum_of_squares(squares);
+    out->least = ~greatest_of_eight(_mm256_xor_si256(least, eight(-1)));
+    out->greatest = greatest_of_eight(greatest);
+    out->levels_off_max = greatest_of_eight(most);
     count_places(counts, levels_off, &p, texels);
     if (turned == 0)
         return;

@@ -171,7 +171,7 @@ static inline void add_far(far_sums *s, __m256i off, __m256i longer, __m256i bad
 
 /* The same of the texels that are steeper; also sums them.  Puts those in doubt behind `left` others, and
  * returns how many these are then.  Lengths are below 2^14 here, so that the squares of 32 fit. */
-static int32_t place_far(far_sums *sums, exact_texels *v, uint8_t *others, int32_t left)
+static int32_t place_far(far_sums *sums, exact_texels *v, int32_t *others, int32_t left)
 {
     const __m256i zero = _mm256_setzero_si256(), one = eight(1);
     far_sums s = { zero, zero, eight(-1), zero, zero, zero };
@@ -210,24 +210,10 @@ static int32_t place_far(far_sums *sums, exact_texels *v, uint8_t *others, int32
     return left;
 }
 
-ONE_COPY static int32_t sum_of_eight(__m256i v)
-{
-    const __m128i four = _mm_add_epi32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
-    const __m128i two = _mm_add_epi32(four, _mm_shuffle_epi32(four, 0x4e));
-    return _mm_cvtsi128_si32(_mm_add_epi32(two, _mm_shuffle_epi32(two, 0xb1)));
-}
-
 ONE_COPY static uint32_t least_of_words(__m256i v)
 {
     const __m128i half = _mm_min_epu16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
     return (uint32_t) _mm_cvtsi128_si32(_mm_minpos_epu16(half)) & 65535;
-}
-
-ONE_COPY static uint32_t greatest_of_eight(__m256i v)
-{
-    const __m128i four = _mm_max_epu32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
-    const __m128i two = _mm_max_epu32(four, _mm_shuffle_epi32(four, 0x4e));
-    return (uint32_t) _mm_cvtsi128_si32(_mm_max_epu32(two, _mm_shuffle_epi32(two, 0xb1)));
 }
 
 static void survey_exact(ntp__survey *out, exact_texels *to, const uint16_t *src, int32_t n)
@@ -255,13 +241,9 @@ static void survey_exact(ntp__survey *out, exact_texels *to, const uint16_t *src
 
 static void end_far(ntp__exact_block *out, const far_sums *s)
 {
-    uint64_t squares[4];
     out->far = sum_of_eight(s->texels);
-    store_eight(squares,
-                _mm256_add_epi64(_mm256_srli_epi64(s->squares, 32),
-                                 _mm256_and_si256(s->squares, _mm256_set1_epi64x(UINT32_MAX))));
     out->length_sum = (uint32_t) sum_of_eight(s->longer);
-    out->length_error2 = squares[0] + squares[1] + squares[2] + squares[3];
+    out->length_error2 = sum_of_squares(s->squares);
     out->least = ~greatest_of_eight(_mm256_xor_si256(s->shortest, eight(-1)));
     out->greatest = greatest_of_eight(s->longest);
     out->levels_off_max = greatest_of_eight(s->most) - 1;
@@ -347,15 +329,16 @@ static inline uint32_t place_exact(exact_texels *v, int32_t i)
 static int32_t count_exact(ntp__exact_block *out, ntp__close_counts *counts, const uint16_t *src,
                            int32_t n)
 {
+    enum { BLOCK = 256 };
     exact_texels v;
     int32_t left = 0;
-    n &= -EXACT_STEP;
+    n = n < BLOCK ? n & -EXACT_STEP : BLOCK;
     v.near_ones = v.few_ones = v.steep = 0;
     survey_exact(&out->survey, &v, src, n);
     for (int32_t i = 0; i < n; i += EXACT_STEP) {
         prefetch_exact(src + 3 * (n + i));
         for (uint32_t others = place_exact(&v, i); others != 0; others &= others - 1)
-            out->left[left++] = (uint8_t) (i + __builtin_ctz(others) / 2);
+            out->left[left++] = i + __builtin_ctz(others) / 2;
     }
     gather_few(&v);
     out->far = 0;

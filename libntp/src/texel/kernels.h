@@ -208,17 +208,19 @@ typedef void ntp__count_close_fn(ntp__close_block *out, ntp__close_counts *count
 
 /* What is known of n packed texels, and of the exact ones among them.  Of those that are not nearly
  * flat, lengths in Z-zero, in 1/65536 and less 1, and levels from the blue of Z-zero. */
+enum { NTP__EXACT_AT_ONCE = 512, NTP__EXACT_GROUP = 16 };
+
 typedef struct ntp__exact_block {
     ntp__survey survey;
     int32_t texels, far; /* exact ones, and those of them that are not nearly flat */
     uint32_t length_sum, least, greatest, levels_off_max; /* of far > 0 */
     uint64_t length_error2;
-    uint8_t left[256]; /* the places of the texels that are not counted, n - texels, in any order */
+    /* The places of the texels that are not counted, n - texels, in any order. */
+    int32_t left[NTP__EXACT_AT_ONCE + NTP__EXACT_GROUP];
 } ntp__exact_block;
 
 /* Counts packed 16-bit texels that are exact and not odd (ntp__survey); whether any is odd, it does not
- * say.  It leaves a last group of fewer than 16 to the caller, and returns how many it did.
- * 0 <= n <= 256. */
+ * say.  It takes whole groups, NTP__EXACT_AT_ONCE texels or fewer, and returns how many: 0 of less than a group. */
 typedef int32_t ntp__count_exact_fn(ntp__exact_block *out, ntp__close_counts *counts,
                                     const uint16_t *src, int32_t n);
 

@@ -12,5 +12,6 @@ ntp__clean8_fn ntp__clean_rgb8_avx512;
 ntp__derive16_fn ntp__derive_rgb16_avx512;
 ntp__validate_rgb_fn ntp__validate_rgb_avx512;
 ntp__count_close8_fn ntp__count_close8_avx512; /* adds to the survey, too */
+ntp__count_exact_fn ntp__count_exact_avx512;
 
 #endif

@@ -6,7 +6,7 @@
  *   level.h             derives blue, pulls onto the disc, judges and repairs one texel
  *   kernels.h, .c       the same for runs of texels, fast, with the files that end in _tmpl.h,
  *                       root30.h, pick_kernels.c and, for AVX-512, kernels_avx512.h, .c,
- *                       cells_avx512.c
+ *                       cells_avx512.c, exact16_avx512.c
  *   turn_avx512.h, .c   angles between vectors and clean ones, with AVX-512
  *   judged.h            what the kernels find out beyond the flags of ntp_validate
  *   cells.h             where colors of 8 bit are counted

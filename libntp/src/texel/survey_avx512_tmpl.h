@@ -14,24 +14,35 @@
 #include "texel/packed_avx512_tmpl.h"
 #include "texel/sums_avx512_tmpl.h"
 
-/* Of sixteen. */
-ONE_COPY static uint64_t sum_of(const __m512i *v)
+enum { AHEAD = NTP__BLOCK }; /* fetched while others are worked on */
+
+/* Extremes and sums so far; red and green in one. */
+typedef struct surveyed {
+    __m512i most, most_b, least, least_b, sum[3];
+} surveyed;
+
+static inline void begin_survey(surveyed *of)
 {
-    const __m512i even = _mm512_and_si512(*v, _mm512_set1_epi64(UINT32_MAX));
-    const __m512i both = _mm512_add_epi64(even, _mm512_srli_epi64(*v, 32));
-    return sum_of_wide(&both);
+    const __m512i zero = _mm512_setzero_si512(), ones = all(-1);
+    *of = (surveyed) { zero, zero, ones, ones, { zero, zero, zero } };
 }
 
-/* Extremes and sums so far: of levels, and of those inverted; red and green in one. */
-typedef struct surveyed {
-    __m512i most, most_b, inverted, inverted_b, sum[3];
-} surveyed;
+/* Adds sixteen texels. */
+static inline void see(surveyed *v, texels t)
+{
+    v->most = _mm512_max_epu16(v->most, t.rg);
+    v->least = _mm512_min_epu16(v->least, t.rg);
+    v->most_b = _mm512_max_epu16(v->most_b, t.b);
+    v->least_b = _mm512_min_epu32(v->least_b, t.b);
+    v->sum[0] = _mm512_add_epi32(v->sum[0], _mm512_and_si512(t.rg, all(65535)));
+    v->sum[1] = _mm512_add_epi32(v->sum[1], _mm512_srli_epi32(t.rg, 16));
+    v->sum[2] = _mm512_add_epi32(v->sum[2], t.b);
+}
 
 /* Adds n packed texels, a multiple of 16, of 2^20 in all; tells which are odd, of each 16. */
 static inline void survey(surveyed *of, __mmask16 *odd, const uint16_t *rgb, int32_t n)
 {
-    enum { AHEAD = NTP__BLOCK };
-    const __m512i ones = all(-1), low = all(65535);
+    const __m512i ones = all(-1);
     surveyed v = *of;
     for (int32_t i = 0; i < n; i += LANES_512) {
         const texels t = take16((const uint8_t *) (rgb + (size_t) 3 * i));
@@ -45,13 +56,7 @@ static inline void survey(surveyed *of, __mmask16 *odd, const uint16_t *rgb, int
         /* 32767 and 32768 */
         const __m512i flat = _mm512_min_epu16(_mm512_xor_si512(t.rg, all(0x7FFF7FFF)),
                                               _mm512_xor_si512(other, all(0x7FFF7FFF)));
-        v.most = _mm512_max_epu16(v.most, t.rg);
-        v.inverted = _mm512_max_epu16(v.inverted, other);
-        v.most_b = _mm512_max_epu16(v.most_b, t.b);
-        v.inverted_b = _mm512_max_epu16(v.inverted_b, _mm512_xor_si512(t.b, low));
-        v.sum[0] = _mm512_add_epi32(v.sum[0], _mm512_and_si512(t.rg, low));
-        v.sum[1] = _mm512_add_epi32(v.sum[1], _mm512_srli_epi32(t.rg, 16));
-        v.sum[2] = _mm512_add_epi32(v.sum[2], t.b);
+        see(&v, t);
         odd[group_of(i)] = _mm512_testn_epi32_mask(narrow, all(0x00FF00FF)) |
                            _mm512_testn_epi32_mask(flat, flat) |
                            _mm512_cmpeq_epi32_mask(t.rg, grays);
@@ -59,19 +64,7 @@ static inline void survey(surveyed *of, __mmask16 *odd, const uint16_t *rgb, int
     *of = v;
 }
 
-static void end_survey(ntp__survey *to, const surveyed *of)
-{
-    const __m512i low = all(65535);
-    const __m512i extremes[6] = {
-        _mm512_and_si512(of->most, low),     _mm512_srli_epi32(of->most, 16),     of->most_b,
-        _mm512_and_si512(of->inverted, low), _mm512_srli_epi32(of->inverted, 16), of->inverted_b,
-    };
-    for (int32_t k = 0; k < 3; k++) {
-        to->sum[k] = (uint32_t) sum_of(&of->sum[k]);
-        to->greatest[k] = greatest_of(&extremes[k]);
-        to->least[k] = 65535 - greatest_of(&extremes[3 + k]);
-    }
-    to->odd = 0;
-}
+/* In exact16_avx512.c, for all files. */
+void ntp__end_survey_avx512(ntp__survey *to, const surveyed *of);
 
 #endif
