@@ -87,7 +87,7 @@ static int compare_colors(const void *a, const void *b)
     return memcmp(a, b, 3 * sizeof(uint16_t));
 }
 
-/* Those of the texels, sorted, that are odd, or neighbors in an encoding; returns how many. */
+/* Those of the texels, sorted, that are odd but for gray, or neighbors in an encoding; returns how many. */
 static int32_t find_others(uint16_t (*others)[3], const uint16_t *rgb, int32_t n)
 {
     static uint32_t ones[NTP__BLOCK];
@@ -102,7 +102,8 @@ static int32_t find_others(uint16_t (*others)[3], const uint16_t *rgb, int32_t n
     ntp__kernels(0)->judge_block(&j, c[0], c[1], c[2], ones, n, 65535, 0);
     for (int32_t i = 0; i < n; i++) {
         const int32_t color[3] = { c[0][i], c[1][i], c[2][i] };
-        if (is_odd(color) || ((j.fit[0].key[i] | j.fit[1].key[i]) & NTP_FLAG_NEIGHBOR) != 0)
+        if (is_odd_beside_gray(color) ||
+            ((j.fit[0].key[i] | j.fit[1].key[i]) & NTP_FLAG_NEIGHBOR) != 0)
             memcpy(others[count++], rgb + (ptrdiff_t) 3 * i, sizeof others[0]);
     }
     qsort(others, (size_t) count, sizeof others[0], compare_colors);
@@ -121,6 +122,10 @@ static void check_survey(const ntp__survey *survey, const uint16_t *rgb, int32_t
         CHECK(survey->least[e] == least && survey->greatest[e] == greatest &&
               survey->sum[e] == sum);
     }
+    uint32_t gray = 0;
+    for (int32_t i = 0; i < n; i++)
+        gray += rgb[3 * i] == rgb[3 * i + 1] && rgb[3 * i] == rgb[3 * i + 2];
+    CHECK(survey->gray == gray);
 }
 
 /* The same straight from packed pixels, between guard pages; the block becomes what is left. */
@@ -422,6 +427,8 @@ static int32_t check_long_row(uint64_t *seed, int32_t n, uint32_t one_in)
         const int64_t s = ntp__rest(c[0], c[1], 65535);
         if (one_in > 0 && s >= 0 && random_bits(seed) % one_in == 0)
             c[2] = ntp__blue_of_rest(s, 65535, false);
+        else if (n % 2 == 0 && c[0] % 4 != 0)
+            c[0] = c[1] = c[2];
         for (int32_t e = 0; e < 3; e++)
             rgb[3 * i + e] = (uint16_t) (one_in > 0 ? c[e]
                                          : e < 2    ? 32768 + c[e] / 256

@@ -155,21 +155,20 @@ ntp_status ntp__check_area(ntp_rect *rect, const ntp_const_image *v, const ntp_r
 int32_t ntp__level_of_unit(float v)
 {
     double c = (double) v * 65535.0 + 0.5;
-    return c > 0 ? c < 65536.0 ? (int32_t) c : 65535 : 0;
+    c = c > 0 ? c : 0; /* of NaN, too; one instruction each, as noise would mislead branches */
+    c = c < 65535.0 ? c : 65535.0;
+    return (int32_t) c;
 }
 
 /* floor((v + 1)/2 * M + 1/2) = floor((M + 1 + M v)/2) = (M + 1 + floor(M v)) / 2, as M + 1 is
- * even; M v is an exact double, M + 1 + M v need not be one. */
+ * even; M v is an exact double, M + 1 + M v need not be one.  Level 0 is also that of -M - 1. */
 int32_t ntp__level_of_component(float v)
 {
-    if (!(v > -1.0f))
-        return 0;
-    if (v >= 1.0f)
-        return 65535;
     double mv = (double) v * 65535.0;
+    mv = mv > -65536.0 ? mv : -65536.0;
+    mv = mv < 65535.0 ? mv : 65535.0;
     int32_t below = (int32_t) mv;
-    if ((double) below > mv)
-        below--;
+    below -= (double) below > mv;
     return (65536 + below) / 2;
 }
 

@@ -62,7 +62,8 @@ void ntp__long_products_avx2(double *s2, double *d, const int32_t *r, const int3
 /* As ntp__add_far_avx2, but none of the other texels of a group goes there, only up to 15 of all. */
 int32_t ntp__add_far_avx512(ntp__sums *sums, ntp__far_counts *far, ntp__block *block, int32_t n);
 
-/* The same of packed texels, and those that are odd (survey in texel/kernels.h) go to `left` too.  *n, 16 or more,
+/* The same of packed texels, and those that are odd (survey in texel/kernels.h), but not for being gray, go to
+ * `left` too.  The survey counts all grays.  *n, 16 or more,
  * becomes how many are done and surveyed: a multiple of 16, and all of these if *n is at most NTP__BLOCK. */
 int32_t ntp__add_far_rgb_avx512(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found,
                                 ntp__block *left, const uint16_t *rgb, int32_t *n);

@@ -120,16 +120,7 @@ static void count_far(ntp_tally *t, uint32_t entry, uint32_t b)
     note_far(t, row, b);
 }
 
-static inline void count_cell(ntp_tally *t, uint32_t pair, uint32_t b)
-{
-    uint32_t entry = t->cells.row_of[pair], place = b - ntp__entry_first(entry);
-    if (place < NTP__NEAR)
-        t->cells.at.near[ntp__entry_cells(entry) + place]++;
-    else
-        count_far(t, entry, b);
-}
-
-/* Before the first texels that are counted by count_cell or count_color, which note no rows. */
+/* Before the first texels that are counted by count_color, which notes no rows. */
 static inline void begin_look_ups(ntp_tally *t)
 {
     if (!t->cells.rows_ready)
@@ -137,7 +128,7 @@ static inline void begin_look_ups(ntp_tally *t)
     t->cells.unnoted = 1;
 }
 
-/* Counts like count_cell, and notes the row. */
+/* Counts a color, and notes its row. */
 static void count_noted(ntp_tally *t, int32_t r, int32_t g, int32_t b)
 {
     uint32_t pair = (uint32_t) (r | g << 8);
@@ -151,16 +142,18 @@ static void count_noted(ntp_tally *t, int32_t r, int32_t g, int32_t b)
     }
 }
 
-/* A used texel of 8-bit content. */
-static void count_narrow(ntp_tally *t, int32_t r, int32_t g, int32_t b)
+/* Used texels of 8-bit content, to be counted many at once. */
+typedef struct narrow_texels {
+    uint8_t rgb[3 * NTP__BLOCK];
+    int32_t n;
+} narrow_texels;
+
+static inline void add_narrow(narrow_texels *to, int32_t r, int32_t g, int32_t b)
 {
-    t->narrow++;
-    if (t->cells.few) {
-        count_noted(t, r, g, b);
-        return;
-    }
-    begin_look_ups(t);
-    count_cell(t, (uint32_t) (r | g << 8), (uint32_t) b);
+    uint8_t *const p = to->rgb + 3 * to->n++;
+    p[0] = (uint8_t) r;
+    p[1] = (uint8_t) g;
+    p[2] = (uint8_t) b;
 }
 
 /* X*X + Y*Y <= M*M at 8 bit. */
@@ -219,6 +212,20 @@ static void count_wide(ntp_tally *t, ntp__block *block, int32_t n)
         ntp__add_block(&t->wide, block, NULL, n, 65535, as);
 }
 
+static void count_narrow(ntp_tally *t, packed_counts *counts, const narrow_texels *texels)
+{
+    const uint8_t *const p = texels->rgb;
+    const uint64_t gray = t->gray; /* these were counted on the way here */
+    if (!t->cells.few) {
+        count_packed8(t, counts, p, texels->n, 3);
+        t->gray = gray;
+        return;
+    }
+    t->narrow += (uint32_t) texels->n;
+    for (int32_t i = 0; i < texels->n; i++)
+        count_noted(t, p[3 * i], p[3 * i + 1], p[3 * i + 2]);
+}
+
 static void add_planes(ntp_tally *t, const ntp__survey *survey)
 {
     for (int32_t k = 0; k < 3; k++) {
@@ -230,18 +237,19 @@ static void add_planes(ntp_tally *t, const ntp__survey *survey)
 }
 
 /* Counts a used texel of a block; false: it is not counted yet, but one for count_wide. */
-static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a, int32_t m)
+static bool count_used(ntp_tally *t, narrow_texels *narrow, int32_t r, int32_t g, int32_t b,
+                       int32_t a, int32_t m)
 {
     if (t->channels == 4 && a != m) {
         int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
         t->ag_in_disc += in_disc8(a8, g8);
     }
     if (m == 255) {
-        count_narrow(t, r, g, b);
+        add_narrow(narrow, r, g, b);
         return true;
     }
     if (is_narrow(r) && is_narrow(g) && is_narrow(b)) {
-        count_narrow(t, r & 255, g & 255, b & 255);
+        add_narrow(narrow, r, g, b);
         return true;
     }
     t->is_wide = 1;
@@ -250,11 +258,13 @@ static bool count_used(ntp_tally *t, int32_t r, int32_t g, int32_t b, int32_t a,
 }
 
 /* Texels whose levels are in the sums of channels, but for what of them is not finite. */
-static void count_each(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
+static void count_each(ntp_tally *t, packed_counts *counts, ntp__block *block, int32_t n, int32_t m)
 {
     unused_colors unused;
+    narrow_texels narrow;
     int32_t wide = 0;
     no_unused(&unused);
+    narrow.n = 0;
     for (int32_t i = 0; i < n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
         if (t->channels == 4) {
@@ -273,7 +283,7 @@ static void count_each(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
             add_transparent(t, &unused, r, g, b, m);
             continue;
         }
-        if (!count_used(t, r, g, b, a, m)) {
+        if (!count_used(t, &narrow, r, g, b, a, m)) {
             /* Wide texels are gathered at the front of the block. */
             block->c[0][wide] = r;
             block->c[1][wide] = g;
@@ -281,10 +291,13 @@ static void count_each(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
         }
     }
     end_unused(t, &unused, m);
+    if (narrow.n > 0)
+        count_narrow(t, counts, &narrow);
     count_wide(t, block, wide);
 }
 
-static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
+static void count_block(ntp_tally *t, packed_counts *counts, ntp__block *block, int32_t n,
+                        int32_t m)
 {
     if (!block->any_broken) {
         ntp__survey survey;
@@ -297,7 +310,7 @@ static void count_block(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
             return;
         }
     }
-    count_each(t, block, n, m);
+    count_each(t, counts, block, n, m);
 }
 
 #include "measure/packed16_tmpl.h"
@@ -415,7 +428,7 @@ static void count_row(ntp_tally *t, waiting *w, packed_counts *packed, const ntp
             if (picture)
                 count_picture(t, &block, n, m);
             else
-                count_block(t, &block, n, m);
+                count_block(t, &w->narrow, &block, n, m);
         }
     }
     if (t->colors < 2)
@@ -465,7 +478,8 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     for (int32_t i = 0; i < NTP__BLOCK; i++)
         left.block.c[3][i] = 65535;
     packed_counts packed;
-    begin_packed(&packed, touch_unused);
+    begin_packed(&packed, touch_unused, false);
+    begin_packed(&left.narrow, touch_unused, true);
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, &left, &packed, src, rect.x0, rect.x1, y);
     end_survey(tally, &packed);

@@ -12,6 +12,7 @@ typedef struct waiting {
     int32_t n;
     int32_t noise;                    /* blocks to come in which exact ones are not looked for */
     ntp__count_exact_fn *count_exact; /* NULL where planes are as fast */
+    packed_counts narrow;
 } waiting;
 
 enum { NOISE = 7 };
@@ -23,7 +24,7 @@ static void end_waiting(ntp_tally *t, waiting *w)
         return;
     ntp__kernels(NTP__CPU_ALL)->survey(&survey, w->block.c[0], w->block.c[1], w->block.c[2], w->n);
     if (survey.odd != 0) {
-        count_each(t, &w->block, w->n, 65535);
+        count_each(t, &w->narrow, &w->block, w->n, 65535);
     } else {
         t->is_wide = 1;
         count_wide(t, &w->block, w->n);
@@ -89,6 +90,9 @@ static int32_t count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_
         w->noise = 0; /* exact ones may have come */
     if (w->n + others > NTP__BLOCK)
         end_waiting(t, w);
+    t->gray += survey.gray;
+    for (int32_t i = 0; i < others; i++) /* these are to be counted */
+        t->gray -= left.c[0][i] == left.c[1][i] && left.c[1][i] == left.c[2][i];
     for (int32_t k = 0; k < 3; k++)
         memcpy(w->block.c[k] + w->n, left.c[k], (size_t) others * sizeof left.c[k][0]);
     w->n += others;

@@ -107,7 +107,7 @@ enum { CLEAR_BITS = 8 };
 typedef struct alpha_counts {
     uint32_t color[1 << CLEAR_BITS], count[1 << CLEAR_BITS]; /* r | g << 8 | b << 16; 0: none */
     ntp__color_batch batch;
-    int32_t visible; /* the least alpha of a used texel */
+    int32_t visible;     /* the least alpha of a used texel */
     ntp__alphas8 alphas; /* of texels beside those that the tally holds */
 } alpha_counts;
 
@@ -199,15 +199,17 @@ static void count_alphas(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_
 /* What packed texels are counted by, over rows. */
 typedef struct packed_counts {
     ntp__count_close8_fn *close;
+    bool counts_only;       /* levels are in the sums of channels already */
     ntp__close8_block part; /* its survey is not in the tally yet */
     alpha_counts alpha;
 } packed_counts;
 
-static void begin_packed(packed_counts *c, uint32_t touch)
+static void begin_packed(packed_counts *c, uint32_t touch, bool counts_only)
 {
     ntp__kernels_table kernels;
     ntp__pick_kernels(&kernels, NTP__CPU_ALL);
     c->close = kernels.count_close8;
+    c->counts_only = counts_only;
     begin_alpha(&c->alpha, touch);
     c->part.visible = c->alpha.visible;
     memset(&c->part.survey, 0, sizeof c->part.survey);
@@ -233,9 +235,8 @@ static void end_survey(ntp_tally *t, packed_counts *c)
 /* Adds alpha, sums and extremes of texels whose colors are counted one by one. */
 static void add_rest(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n, int32_t channels)
 {
-    if (n == 0)
-        return;
-    add_bytes(t, p, n, channels);
+    if (n > 0 && !c->counts_only)
+        add_bytes(t, p, n, channels);
     if (channels == 4)
         count_alphas(t, &c->alpha, p, n);
 }

@@ -20,7 +20,9 @@ enum {
     XY_STRONG_LEVELS = 1,     /* x, y longer than 1 by more than this many levels; weak: by any */
     LENGTH_STRONG_LEVELS = 3, /* |length - 1| of at least this many levels */
     LENGTH_WEAK_LEVELS = 2,
-    FEW = 8 /* too long pairs of a block: fewer are pulled one by one */
+    FEW = 8,               /* too long pairs of a block: fewer are pulled one by one */
+    DARK = NTP__GRAY_BASE, /* the grays of black and of white */
+    LIGHT = NTP__GRAY_BASE + 127
 };
 
 /* The color of a float texel that is not a vector. */
@@ -150,7 +152,13 @@ static void paint_odd(const void *how, ntp__block *out, const ntp__odd_texels *o
 
 static bool paint_packed(const job *j, const ntp_rect *rect)
 {
-    const ntp__painter painter = { j->dst, j->src, j, paint_rgb, paint_odd };
+    const ntp__painter painter = { .dst = j->dst,
+                                   .src = j->src,
+                                   .job = j,
+                                   .touch_unused = j->touch,
+                                   .unused = { { DARK, DARK }, { LIGHT, LIGHT } },
+                                   .paint = paint_rgb,
+                                   .again = paint_odd };
     return !j->safe && ntp__paint_packed(&painter, rect);
 }
 #else
@@ -171,8 +179,11 @@ ntp_status ntp_heatmap(const ntp_image *dst, const ntp_const_image *src, ntp_pal
         return NTP_ERR_ARGUMENT;
     ntp_rect rect;
     NTP__TRY(ntp__check_area(&rect, src, area));
-    const job j = { dst, src, palette == NTP_PALETTE_SAFE, touch_unused,
-                    limits_of(ntp__max(src->type), src->encoding == NTP_ENCODING_ZZERO) };
+    const job j = { .dst = dst,
+                    .src = src,
+                    .safe = palette == NTP_PALETTE_SAFE,
+                    .touch = touch_unused,
+                    .limits = limits_of(ntp__max(src->type), src->encoding == NTP_ENCODING_ZZERO) };
     bool many = false;
     if (paint_packed(&j, &rect))
         return NTP_OK;

@@ -6,6 +6,7 @@
 
 #include "base/cpu.h"
 #include "picture/picture_kernels.h"
+#include "texel/level.h"
 
 #include <string.h>
 
@@ -48,20 +49,32 @@ void ntp__pack_opaque(const ntp_image *dst, ntp__block *rgb, int32_t x, int32_t 
     ntp__pack(dst, rgb, x, y, n, dst->channels);
 }
 
-/* Adds those from x, y on of which bits are set. */
-static void gather(ntp__odd_texels *odd, const uint8_t bits[NTP__BLOCK / 8],
-                   const ntp_const_image *src, int32_t x, int32_t y, int32_t n)
+/* Adds those from x, y on of which bits are set, but for unused ones: these are painted.  Backgrounds are full of
+ * them. */
+static void gather(const ntp__painter *p, ntp__odd_texels *odd, const uint8_t bits[NTP__BLOCK / 8],
+                   int32_t x, int32_t y, int32_t n)
 {
+    const int32_t m = ntp__max(p->src->type);
+    const void *const s = ntp__at(p->src, x, y);
+    uint8_t *const d = ntp__at_mut(p->dst, x, y);
     for (int32_t i = 0; i < n; i++) {
         if (bits[i / 8] == 0)
             i |= 7;
         if ((bits[i / 8] >> i % 8 & 1) == 0)
             continue;
-        const void *texel = ntp__at(src, x + i, y);
-        for (int32_t k = 0; k < 3; k++)
-            odd->block.c[k][odd->n] = src->type == NTP_TYPE_U8 ? ((const uint8_t *) texel)[k]
-                                                               : ((const uint16_t *) texel)[k];
-        odd->block.c[3][odd->n] = ntp__max(src->type);
+        const uint8_t *const narrow = (const uint8_t *) s + 3 * i;
+        const uint16_t *const wide = (const uint16_t *) s + (m == 255 ? 0 : 3 * i);
+        const int32_t r = m == 255 ? narrow[0] : wide[0], g = m == 255 ? narrow[1] : wide[1],
+                      b = m == 255 ? narrow[2] : wide[2];
+        if (ntp__unused(r, g, b, m, m, p->touch_unused)) {
+            uint8_t *const pixel = d + 3 * i;
+            pixel[0] = pixel[1] = pixel[2] = p->unused[r != 0][ntp__checker(x + i, y)];
+            continue;
+        }
+        odd->block.c[0][odd->n] = r;
+        odd->block.c[1][odd->n] = g;
+        odd->block.c[2][odd->n] = b;
+        odd->block.c[3][odd->n] = m;
         odd->x[odd->n] = x + i;
         odd->y[odd->n++] = y;
     }
@@ -100,7 +113,7 @@ bool ntp__paint_packed(const ntp__painter *p, const ntp_rect *rect)
             if (odd.n + found > NTP__BLOCK)
                 paint_again(p, &odd);
             if (found > 0)
-                gather(&odd, bits, src, x, y, n);
+                gather(p, &odd, bits, x, y, n);
         }
         /* In a ring, other rows take the place of this one. */
         if (odd.n > 0 && (dst->ring_rows > 0 || y + 1 == rect->y1))

@@ -38,7 +38,13 @@ static inline void ntp__paint(uint8_t *pixel, int32_t channels, const uint8_t rg
         pixel[3] = 255;
 }
 
-enum { NTP__GROUP = 16 };
+enum { NTP__GROUP = 16, NTP__CHECKER = 8 /* the side of a field, in texels */ };
+
+/* 0 or 1: the kind of field of a checker. */
+static inline int32_t ntp__checker(int32_t x, int32_t y)
+{
+    return (x / NTP__CHECKER + y / NTP__CHECKER) % 2;
+}
 
 /* Loops over whole groups have no remainder, which would be code of its own for each. */
 static inline int32_t ntp__whole(int32_t n)
@@ -56,11 +62,14 @@ typedef struct ntp__odd_texels {
 } ntp__odd_texels;
 
 /* How packed RGB is painted.  `paint` sets bits of odd texels, and returns how many there are (as in
- * paint_avx2.h); `again` makes the colors of those. */
+ * paint_avx2.h).  Those that are black or white, and unused for it, become a gray of
+ * unused[white][checker]; `again` makes the colors of the others. */
 typedef struct ntp__painter {
     const ntp_image *dst;
     const ntp_const_image *src;
     const void *job;
+    uint32_t touch_unused;
+    uint8_t unused[2][2];
     int32_t (*paint)(const void *job, uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src,
                      int32_t n, bool deep);
     void (*again)(const void *job, ntp__block *out, const ntp__odd_texels *odd);

@@ -17,12 +17,8 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    /* Texels without a normal show a checker, as image editors show what is transparent. */
-    CHECKER_SIDE = 8,
-    CHECKER_DARK = 72,
-    CHECKER_LIGHT = 88
-};
+/* Texels without a normal show a checker, as image editors show what is transparent. */
+static const uint8_t CHECKER[2] = { 88, 72 };
 
 /* From the upper left; a flat texel comes out as 165, a little lighter than the middle. */
 static const ntp_light DEFAULT_LIGHT = {
@@ -238,15 +234,6 @@ static void shade_block(ntp__block *out, const job *j, const ntp__block *block, 
     }
 }
 
-/* A checker where a texel holds no normal. */
-static void check(ntp__block *out, const ntp__block *block, int32_t i, int32_t m, int32_t x,
-                  int32_t y)
-{
-    const bool bright = (x / CHECKER_SIDE + y / CHECKER_SIDE) % 2 == 0;
-    if (ntp__texel_unused(block, i, m, 0))
-        out->c[0][i] = out->c[1][i] = out->c[2][i] = bright ? CHECKER_LIGHT : CHECKER_DARK;
-}
-
 static void shade_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     ntp__block block, out;
@@ -259,8 +246,10 @@ static void shade_run(const job *j, int32_t x, int32_t y, int32_t n)
     else
         shade_block(&out, j, &block, n);
     if (ntp__any_suspect(&block, n, m)) {
-        for (int32_t i = 0; i < n; i++)
-            check(&out, &block, i, m, x + i, y);
+        for (int32_t i = 0; i < n; i++) {
+            if (ntp__texel_unused(&block, i, m, 0))
+                out.c[0][i] = out.c[1][i] = out.c[2][i] = CHECKER[ntp__checker(x + i, y)];
+        }
     }
     ntp__pack_opaque(j->dst, &out, x, y, n);
 }
@@ -275,10 +264,7 @@ static int32_t shade_rgb(const void *how, uint8_t *dst, uint8_t odd[NTP__BLOCK /
 
 static void shade_odd(const void *how, ntp__block *out, const ntp__odd_texels *odd)
 {
-    const job *j = how;
-    shade_exactly(out, j, &odd->block, odd->n);
-    for (int32_t i = 0; i < odd->n; i++)
-        check(out, &odd->block, i, ntp__max(j->src->type), odd->x[i], odd->y[i]);
+    shade_exactly(out, how, &odd->block, odd->n);
 }
 
 static bool shade_packed(job *j, const ntp_rect *rect)
@@ -289,7 +275,13 @@ static bool shade_packed(job *j, const ntp_rect *rect)
         j->shade_rgb = ntp__shade_rgb_avx512;
 #  endif
     const double *light = j->light.color;
-    const ntp__painter painter = { j->dst, j->src, j, shade_rgb, shade_odd };
+    const ntp__painter painter = { .dst = j->dst,
+                                   .src = j->src,
+                                   .job = j,
+                                   .unused = { { CHECKER[0], CHECKER[1] },
+                                               { CHECKER[0], CHECKER[1] } },
+                                   .paint = shade_rgb,
+                                   .again = shade_odd };
     return light[0] == light[1] && light[1] == light[2] && ntp__paint_packed(&painter, rect);
 }
 #else

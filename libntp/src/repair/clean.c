@@ -3,7 +3,7 @@
  * clean.c - repair of normals textures: derive z, or divide by the length
  *
  * This room judges, repairs and converts textures.  No texel of a result depends on another one.
- *   clean.c     ntp_clean: repair
+ *   clean.c     ntp_clean: repair; clean_steps_tmpl.h is its part for packed RGB
  *   validate.c  ntp_validate: a byte of flags for each texel
  *   inspect.c   ntp_inspect: everything about one texel
  *   convert.c   ntp_convert: other encodings, depths and Y orientations; with convert.h,
@@ -250,60 +250,7 @@ static uint64_t clean_by_length(const job *j, ntp__block *out, ntp__block *block
     return (uint64_t) changed;
 }
 
-/* The kernel for packed RGB, if there is one. */
-static ntp__normalize_rgb_fn *length_kernel(const job *j)
-{
-    return j->src->type == NTP_TYPE_U8    ? j->kernels->normalize_rgb8
-           : j->src->type == NTP_TYPE_U16 ? j->kernels->normalize_rgb16
-                                          : NULL;
-}
-
-/* Derives the blue of packed RGB of 16 bit; returns how many pixels, p->at[0].., are left. */
-static int32_t derive_rgb16(const job *j, uint16_t *d, const void *s, int32_t n, long_pairs *p,
-                            uint64_t *changed)
-{
-    const bool zzero = j->encoding == NTP_ENCODING_ZZERO;
-    const int32_t count = j->kernels->derive_rgb16(d, s, n, zzero, p->at, changed);
-    int32_t left = 0;
-    if (count < FEW)
-        return count;
-    for (int32_t i = 0; i < count; i++) {
-        p->c[0][i] = d[3 * p->at[i]];
-        p->c[1][i] = d[3 * p->at[i] + 1];
-    }
-    pull_pairs(j, p, count);
-    for (int32_t i = 0; i < count; i++) {
-        uint16_t *to = d + 3 * p->at[i];
-        const bool may_be_unused = ((to[0] + 1) & 65535) <= 1 && to[0] == to[1] && to[0] == to[2];
-        if (p->doubt[i] || may_be_unused) {
-            p->at[left++] = p->at[i];
-            continue;
-        }
-        to[0] = (uint16_t) p->c[0][i];
-        to[1] = (uint16_t) p->c[1][i];
-        to[2] = (uint16_t) p->c[2][i];
-    }
-    *changed += (uint64_t) (count - left);
-    return left;
-}
-
-/* Whole steps of packed RGB.  The few texels that the kernels leave are as in the source. */
-static void clean_steps(const job *j, int32_t x, int32_t y, int32_t n, uint64_t *changed)
-{
-    void *d = ntp__at_mut(j->dst, x, y);
-    const void *s = ntp__at(j->src, x, y);
-    const ntp_const_image target = ntp_image_as_const(j->dst);
-    ntp__block one;
-    long_pairs p;
-    const int32_t left = j->how.method == NTP_CLEAN_DERIVE
-                             ? derive_rgb16(j, d, s, n, &p, changed)
-                             : length_kernel(j)(d, s, n, p.at, changed);
-    for (int32_t i = 0; i < left; i++) {
-        ntp__unpack(&one, &target, x + p.at[i], y, 1);
-        *changed += clean_at(j, &one, 0);
-        ntp__pack(j->dst, &one, x + p.at[i], y, 1, 3);
-    }
-}
+#include "repair/clean_steps_tmpl.h"
 
 static bool blue_is_written(const job *j)
 {

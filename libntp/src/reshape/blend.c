@@ -191,6 +191,12 @@ static bool keeps(const job *j, const ntp__block *base, const ntp__block *detail
            ntp__texel_unused(detail, i, j->md, j->how.touch_unused);
 }
 
+static bool same_texel(const ntp__block *b, int32_t i, int32_t k)
+{
+    return b->c[0][i] == b->c[0][k] && b->c[1][i] == b->c[1][k] && b->c[2][i] == b->c[2][k] &&
+           b->c[3][i] == b->c[3][k];
+}
+
 /* The levels of n texels; the planes change beyond n. */
 static void blend_block(const job *j, ntp__block *out, const ntp__block *base, ntp__block *detail,
                         int32_t n)
@@ -208,12 +214,19 @@ static void blend_block(const job *j, ntp__block *out, const ntp__block *base, n
         doubt_small(doubt, &v, size, n);
     const bool suspect = ntp__any_suspect(base, n, j->mb) || ntp__any_suspect(detail, n, j->md);
     any = any || suspect || !j->exact;
+    int32_t last = -1; /* the last exact one: twice flat of 16 bit, for one, is always in doubt */
     for (int32_t i = 0; any && i < n; i++) {
         const bool keep = suspect && keeps(j, base, detail, i);
         for (int32_t k = 0; keep && k < 3; k++)
             out->c[k][i] = base->c[k][i];
-        if (!keep && doubt[i])
+        if (keep || !doubt[i])
+            continue;
+        const bool again = last >= 0 && same_texel(base, i, last) && same_texel(detail, i, last);
+        for (int32_t k = 0; again && k < 3; k++)
+            out->c[k][i] = out->c[k][last];
+        if (!again)
             blend_texel(j, out, base, detail, i);
+        last = i;
     }
 }
 
@@ -254,6 +267,7 @@ static bool blend_packed(const job *j, const ntp_rect *r)
                               .how = &j->mixture,
                               .reoriented = j->how.mode == NTP_BLEND_RNM,
                               .exact = j->exact,
+                              .touch_unused = j->how.touch_unused,
                               .settle = blend_left,
                               .job = j };
     if (!ntp__can_mix(j->base) || !ntp__can_mix(j->detail) || !ntp__can_mix(&target) ||

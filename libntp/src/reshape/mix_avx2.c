@@ -274,21 +274,25 @@ typedef struct waiting {
     ntp__block base, detail;
 } waiting;
 
+static void put_texel(void *row, int32_t x, const ntp__block *b, int32_t i, bool deep)
+{
+    for (int32_t k = 0; k < 3; k++) {
+        const ptrdiff_t at = 3 * (ptrdiff_t) x + k;
+        if (deep)
+            ((uint16_t *) row)[at] = (uint16_t) b->c[k][i];
+        else
+            ((uint8_t *) row)[at] = (uint8_t) b->c[k][i];
+    }
+}
+
 static void settle(const ntp__mixing *j, waiting *w, void *row, bool deep)
 {
     if (w->n == 0)
         return;
     w->base.any_broken = w->detail.any_broken = false;
     j->settle(j->job, &w->base, &w->detail, w->n);
-    for (int32_t i = 0; i < w->n; i++) {
-        for (int32_t k = 0; k < 3; k++) {
-            const ptrdiff_t at = 3 * (ptrdiff_t) w->at[i] + k;
-            if (deep)
-                ((uint16_t *) row)[at] = (uint16_t) w->base.c[k][i];
-            else
-                ((uint8_t *) row)[at] = (uint8_t) w->base.c[k][i];
-        }
-    }
+    for (int32_t i = 0; i < w->n; i++)
+        put_texel(row, w->at[i], &w->base, i, deep);
     w->n = 0;
 }
 
@@ -297,6 +301,12 @@ static void take_texel(ntp__block *b, int32_t i, ntp__mix_planes v, int32_t at, 
     for (int32_t k = 0; k < 3; k++)
         b->c[k][i] = ntp__level((int32_t) v[k][at], c->m);
     b->c[3][i] = c->m;
+}
+
+/* Backgrounds are full of these. */
+static inline bool is_unused(const ntp__block *b, int32_t i, int32_t m, uint32_t touch)
+{
+    return ntp__unused(b->c[0][i], b->c[1][i], b->c[2][i], m, m, touch);
 }
 
 /* Takes n texels of both, of which the detail repeats. */
@@ -336,11 +346,16 @@ void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y)
         const int32_t found = put_levels(row + (x - x0) * j->dst->pixel_stride, at, &p, n, &c);
         if (w.n + found > NTP__BLOCK)
             settle(j, &w, row, c.deep);
-        for (int32_t i = 0; i < found; i++, w.n++) {
+        for (int32_t i = 0; i < found; i++) {
             w.at[w.n] = x - x0 + at[i];
             take_texel(&w.base, w.n, p.base, at[i], &c);
             if (j->detail != NULL)
                 take_texel(&w.detail, w.n, p.detail, at[i], &c);
+            if (is_unused(&w.base, w.n, m, j->touch_unused) ||
+                (j->detail != NULL && is_unused(&w.detail, w.n, m, j->touch_unused)))
+                put_texel(row, w.at[w.n], &w.base, w.n, c.deep);
+            else
+                w.n++;
         }
     }
     settle(j, &w, row, c.deep);

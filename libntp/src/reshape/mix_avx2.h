@@ -20,7 +20,8 @@ typedef struct ntp__mixing {
     /* With one; its strength is at most NTP__MOST_MIXED */
     const ntp__mixture *how;
     bool reoriented, exact;
-    /* Makes texels from base, in place, and detail: of those in doubt, too long, or perhaps unused. */
+    uint32_t touch_unused;
+    /* Makes texels from base, in place, and detail: of those in doubt or too long. */
     void (*settle)(const void *job, ntp__block *base, ntp__block *detail, int32_t n);
     const void *job;
 } ntp__mixing;

@@ -319,23 +319,29 @@ static void columns_of(int32_t *first, int32_t *end, const ntp__axis *axis, int3
 
 /* Does texels of row y in doubt again, from the sums of their columns; of all if they are many.
  * The n texels are at[0].. of the strip (NULL: all). */
-static void settle_strip(const job *j, ntp__block *out, const int32_t *doubt,
+static void settle_strip(const job *j, ntp__block *out, const ntp__vectors *v, int32_t *doubt,
                          const int32_t *inexact, const int32_t *at, int32_t n,
                          const ntp_rect *strip, int32_t y)
 {
     enum { MANY = 8 };
     int32_t first, end, found = 0;
-    for (int32_t i = 0; i < n; i++)
+    for (int32_t i = 0; i < n; i++) {
+        /* No vector is surely flat, such as that of unused texels. */
+        doubt[i] &= -(v->c[0][i] != 0 || v->c[1][i] != 0 || v->c[2][i] != 0);
         found += (doubt[i] | inexact[i]) != 0;
+    }
+    const bool summed = found > 0 && at == NULL;
     columns_of(&first, &end, &j->plan->x, strip->x0, strip->x1);
-    if (found > MANY)
+    if (summed)
+        ntp__strip_columns(j, y);
+    else if (found > MANY)
         add_rows(j, y, first, end);
     for (int32_t i = 0; found > 0 && i < n; i++) {
         const int32_t x = strip->x0 + (at == NULL ? i : at[i]);
         if ((doubt[i] | inexact[i]) == 0)
             continue;
         columns_of(&first, &end, &j->plan->x, x, x + 1);
-        if (found <= MANY)
+        if (!summed && found <= MANY)
             add_rows(j, y, first, end);
         resize_texel(j, out, i, x);
     }
@@ -356,7 +362,7 @@ static void resize_strip_row(const job *j, const ntp_rect *strip, int32_t y)
         n = strip->x1 - strip->x0;
     }
     if (ntp__block_directions(&out, doubt, &v, n, j->m, j->src->encoding, j->most < 0x1p53) || any)
-        settle_strip(j, &out, doubt, inexact, whole ? NULL : at, n, strip, y);
+        settle_strip(j, &out, &v, doubt, inexact, whole ? NULL : at, n, strip, y);
     if (whole)
         ntp__store_levels(j->dst, &out, strip->x0, y, n);
     for (int32_t i = 0; !whole && i < n; i++) {

@@ -106,11 +106,11 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
     return end;
 }
 
-/* 1: the z of column k of texel i is negative. */
-static inline int32_t is_below(const ntp__strip *s, const float *row, int32_t i, int32_t k)
+/* 1: the z of a column is negative. */
+static inline int32_t is_below(const ntp__strip *s, const float *row, int32_t column)
 {
-    const int32_t half = (4 + k % 2) * NTP__RUN + s->at[i] / 2 + k / 2;
-    const int32_t z = s->halved ? half : 4 * (s->at[i] + k) + 2;
+    const int32_t half = (4 + column % 2) * NTP__RUN + column / 2;
+    const int32_t z = s->halved ? half : 4 * column + 2;
     return s->whole ? ((const int16_t *) (const void *) row)[z] < 0 : row[z] < 0;
 }
 
@@ -122,8 +122,9 @@ static inline bool is_middle_below(const ntp__strip *s, const float *const *rows
     const int32_t t = taps / 2, k = columns / 2;
     if (t == 0 || k == 0 || weight[t - 1] == 0 || weight[t] == 0)
         return false;
-    return is_below(s, rows[t - 1], i, k - 1) | is_below(s, rows[t - 1], i, k) |
-           is_below(s, rows[t], i, k - 1) | is_below(s, rows[t], i, k);
+    const int32_t column = s->at[i] + k;
+    return is_below(s, rows[t - 1], column - 1) | is_below(s, rows[t - 1], column) |
+           is_below(s, rows[t], column - 1) | is_below(s, rows[t], column);
 }
 
 /* Does a texel that texel i of row y is made of have a negative z? */
@@ -137,7 +138,7 @@ static bool any_negative(const ntp__resize_job *j, const float *const *rows, int
         return true;
     for (int32_t t = 0; t < taps; t++) {
         for (int32_t k = 0; weight[t] != 0 && k < columns; k++) {
-            if (is_below(s, rows[t], i, k))
+            if (is_below(s, rows[t], s->at[i] + k))
                 return true;
         }
     }
@@ -230,7 +231,8 @@ static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t 
     for (int32_t k = 0; k < n; k++) {
         const double x = v->c[0][k], y = v->c[1][k], z = v->c[2][k];
         const int32_t i = at == NULL ? k : at[k];
-        inexact[k] = error > 0 &&
+        /* Where the total is surely below 0 there is no vector, as below. */
+        inexact[k] = error > 0 && total[k] >= -error &&
                      (total[k] <= error || fabs(z) <= error || x * x + y * y + z * z <= least) &&
                      !is_empty(j, i);
         /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
@@ -405,4 +407,20 @@ int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *i
     sum_in_doubles(s, &from, 0, (4 * s->columns + 7) / 8 * 8);
     loops()->add_columns(v, total, s->sums, s->at, s->weight, s->taps_x, s->n);
     return judge_vectors(j, v, inexact, total, &from, NULL, s->n, y);
+}
+
+void ntp__strip_columns(const ntp__resize_job *j, int32_t y)
+{
+    const ntp__strip *s = j->strip;
+    sources from;
+    find_sources(j, &from, y);
+    for (int32_t c = 0; c < s->columns; c++) {
+        const int32_t x = ntp__axis_map(&j->plan->x, s->first + c);
+        int32_t below = 0;
+        for (int32_t t = 0; from.any.negative && t < from.taps; t++)
+            below |= (from.weight[t] != 0) & is_below(s, from.rows[t], c);
+        for (int32_t k = SUM_X; k <= SUM_WEIGHT; k++)
+            j->quick[k][x] = s->sums[4 * c + k];
+        j->quick[SUM_NEGATIVE][x] = below;
+    }
 }

@@ -209,6 +209,7 @@ void ntp__end_survey_avx512(ntp__survey *to, const surveyed *of)
         to->least[k] = 65535 - greatest_of(&extremes[3 + k]);
     }
     to->odd = 0;
+    to->gray = (uint32_t) of->gray;
 }
 
 int32_t ntp__count_exact_avx512(ntp__exact_block *out, ntp__close_counts *counts,

@@ -131,7 +131,8 @@ typedef void ntp__count_close8_fn(ntp__close8_block *out, ntp__close8_counts clo
 /* What is known of a block of texels at once. */
 typedef struct ntp__survey {
     uint32_t least[3], greatest[3], sum[3];
-    uint32_t odd; /* not 0: a texel is gray, flat at 16 bit, or one of 8 bit times 257 */
+    uint32_t odd;  /* not 0: a texel is gray, flat at 16 bit, or one of 8 bit times 257 */
+    uint32_t gray; /* how many are; set where a comment says so */
 } ntp__survey;
 
 /* 1 <= n <= 256.  The planes have room for whole lanes, and change beyond n. */

@@ -19,12 +19,13 @@ enum { AHEAD = NTP__BLOCK }; /* fetched while others are worked on */
 /* Extremes and sums so far; red and green in one. */
 typedef struct surveyed {
     __m512i most, most_b, least, least_b, sum[3];
+    int32_t gray; /* texels */
 } surveyed;
 
 static inline void begin_survey(surveyed *of)
 {
     const __m512i zero = _mm512_setzero_si512(), ones = all(-1);
-    *of = (surveyed) { zero, zero, ones, ones, { zero, zero, zero } };
+    *of = (surveyed) { zero, zero, ones, ones, { zero, zero, zero }, 0 };
 }
 
 /* Adds sixteen texels. */
@@ -39,7 +40,8 @@ static inline void see(surveyed *v, texels t)
     v->sum[2] = _mm512_add_epi32(v->sum[2], t.b);
 }
 
-/* Adds n packed texels, a multiple of 16, of 2^20 in all; tells which are odd, of each 16. */
+/* Adds n packed texels, a multiple of 16, of 2^20 in all; tells which are odd for something else than gray, of
+ * each 16. */
 static inline void survey(surveyed *of, __mmask16 *odd, const uint16_t *rgb, int32_t n)
 {
     const __m512i ones = all(-1);
@@ -57,9 +59,9 @@ static inline void survey(surveyed *of, __mmask16 *odd, const uint16_t *rgb, int
         const __m512i flat = _mm512_min_epu16(_mm512_xor_si512(t.rg, all(0x7FFF7FFF)),
                                               _mm512_xor_si512(other, all(0x7FFF7FFF)));
         see(&v, t);
-        odd[group_of(i)] = _mm512_testn_epi32_mask(narrow, all(0x00FF00FF)) |
-                           _mm512_testn_epi32_mask(flat, flat) |
-                           _mm512_cmpeq_epi32_mask(t.rg, grays);
+        odd[group_of(i)] =
+            _mm512_testn_epi32_mask(narrow, all(0x00FF00FF)) | _mm512_testn_epi32_mask(flat, flat);
+        v.gray += __builtin_popcount(_mm512_cmpeq_epi32_mask(t.rg, grays));
     }
     *of = v;
 }
