@@ -25,6 +25,7 @@ enum {
     ZLIB_BLOCK = 16383, /* symbols of zlib's blocks */
     NEVER = 31,         /* patience */
     CAREFUL = 10,       /* levels from here on */
+    LENGTH_MIN = 3,     /* of a match */
     LITERAL_MAX = 15,   /* bits */
     LENGTH_COST_MAX = 13,
     DISTANCE_COST_MAX = 10
@@ -50,22 +51,23 @@ static const effort efforts[NTPIO__LEVEL_TRIAL + 1] = {
 
 /* --------------------------------------------------------------------------- costs */
 
-/* log2, times BIT.  log2(1 + f) is nearly f + 0.344 f (1 - f). */
-static uint32_t log2_of(uint32_t v)
+/* log2, times BIT, of counts below 2^24, which a float holds as they are: its exponent and 16 bits of what
+ * follows.  Compilers make vectors of that.  log2(1 + f) is nearly f + 0.344 f (1 - f). */
+static inline uint32_t log2_of(uint32_t v)
 {
-    if (v == 0)
-        return 0;
-    const unsigned top = ntpio__top_bit(v);
-    const uint32_t f = (uint32_t) (((uint64_t) v << (31 - top)) >> 15) & 0xffff;
-    const uint32_t more = (uint32_t) (((uint64_t) f * (65536 - f) >> 16) * 22524 >> 16);
-    return top * BIT + (((f + more) * BIT + 32768) >> 16);
+    const float number = (float) (int32_t) v;
+    uint32_t bits;
+    memcpy(&bits, &number, sizeof bits);
+    const uint32_t top = (bits >> 23) - 127, f = bits >> 7 & 0xffff;
+    const uint32_t more = (f * (65536 - f) >> 16) * 22524 >> 16;
+    return (top * BIT + (((f + more) * BIT + 32768) >> 16)) & (0u - (v != 0));
 }
 
-static uint32_t cost_of(uint32_t count, uint32_t log_of_all, uint32_t most)
+static inline uint32_t cost_of(uint32_t count, uint32_t log_of_all, uint32_t most)
 {
-    const uint32_t log = log2_of(count);
-    const uint32_t cost = count == 0 ? log_of_all + BIT : log_of_all > log ? log_of_all - log : 0;
-    return cost < BIT ? BIT : cost < most * BIT ? cost : most * BIT;
+    const int32_t cost = (int32_t) (log_of_all - log2_of(count) + BIT * (count == 0));
+    const int32_t least = BIT, largest = (int32_t) most * BIT;
+    return (uint32_t) (cost < least ? least : cost < largest ? cost : largest);
 }
 
 static uint32_t sum_of(const uint32_t *counts, unsigned size)
@@ -85,9 +87,13 @@ void ntpio__set_costs(ntpio__deflater *d, const ntpio__counts *from)
         d->literals[i] = cost_of(from->words[i], words, LITERAL_MAX);
     for (uint32_t slot = 0; slot < NTPIO__WORDS - NTPIO__FIRST_LENGTH; slot++)
         of_slots[slot] = cost_of(from->words[NTPIO__FIRST_LENGTH + slot], words, LENGTH_COST_MAX);
-    for (uint32_t length = 3; length <= NTPIO__LENGTH_MAX; length++)
-        d->lengths[length] =
-            of_slots[ntpio__length_slot(length)] + BIT * ntpio__length_extra(length);
+    for (uint32_t slot = 0, length = LENGTH_MIN; length < NTPIO__LENGTH_MAX; slot++) {
+        const uint32_t extra = ntpio__length_extra(length), next = length + (1u << extra);
+        const uint32_t cost = of_slots[slot] + BIT * extra;
+        for (; length < next && length < NTPIO__LENGTH_MAX; length++)
+            d->lengths[length] = cost;
+    }
+    d->lengths[NTPIO__LENGTH_MAX] = of_slots[ntpio__length_slot(NTPIO__LENGTH_MAX)];
     for (unsigned i = 0; i < NTPIO__DISTANCES; i++)
         d->distances[i] =
             cost_of(from->distances[i], all, DISTANCE_COST_MAX) + BIT * (i < 4 ? 0 : i / 2 - 1);
@@ -115,14 +121,14 @@ static void add_counts(ntpio__counts *to, const ntpio__counts *from, unsigned sh
 
 /* -------------------------------------------------------------------------- blocks */
 
-/* No word takes less than a bit. */
-static uint64_t entropy(const uint32_t *counts, unsigned size)
+/* No word takes less than a bit.  Of a block, that fits in 32 bits. */
+static uint32_t entropy(const uint32_t *counts, unsigned size)
 {
-    uint64_t parts = 0;
+    uint32_t parts = 0;
     const uint32_t all = log2_of(sum_of(counts, size));
     for (unsigned i = 0; i < size; i++) {
         const uint32_t bits = all - log2_of(counts[i]);
-        parts += (uint64_t) counts[i] * (bits > BIT ? bits : BIT);
+        parts += counts[i] * (bits > BIT ? bits : BIT);
     }
     return parts;
 }
@@ -135,7 +141,7 @@ static uint64_t block_cost(const ntpio__counts *counts)
         used += counts->words[i] != 0;
     for (unsigned i = 0; i < NTPIO__DISTANCES; i++)
         used += counts->distances[i] != 0;
-    return entropy(counts->words, NTPIO__WORDS) + entropy(counts->distances, NTPIO__DISTANCES) +
+    return (uint64_t) entropy(counts->words, NTPIO__WORDS) + entropy(counts->distances, NTPIO__DISTANCES) +
            (uint64_t) BIT * (120 + 4 * used);
 }
 

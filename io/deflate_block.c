@@ -294,14 +294,25 @@ static inline void put_match(ntpio__bits *b, ntpio__match match, const uint32_t 
     ntpio__flush_bits(b);
 }
 
-/* Three at once: 45 bits, and 7 that wait.  Four, if no word is longer than FOUR_MAX. */
+/* Two words of the table, one after the other, and the bits that they take. */
+static inline uint64_t join_words(uint32_t first, uint32_t second, unsigned *bits)
+{
+    *bits = (first & 0xffff) + (second & 0xffff);
+    return (uint64_t) (second >> 16) << (first & 0xffff) | first >> 16;
+}
+
+/* Three at once: 45 bits, and 7 that wait.  Four, if no word is longer than FOUR_MAX.  They are joined
+ * before what waits is known. */
 static inline const uint8_t *put_literals(ntpio__bits *b, const uint8_t *bytes, size_t count,
                                           const uint32_t *words, int at_once)
 {
     const uint8_t *end = bytes + count;
     for (; end - bytes >= at_once; bytes += at_once) {
-        for (int i = 0; i < at_once; i++)
-            ntpio__add_bits(b, words[bytes[i]] >> 16, words[bytes[i]] & 0xffff);
+        unsigned some = 0, more = 0;
+        const uint64_t first = join_words(words[bytes[0]], words[bytes[1]], &some);
+        const uint64_t second = join_words(words[bytes[2]], at_once > 3 ? words[bytes[3]] : 0, &more);
+        b->waiting |= (second << some | first) << b->count;
+        b->count += some + more;
         ntpio__flush_bits(b);
     }
     for (; bytes < end; bytes++)

@@ -25,7 +25,7 @@ static inline int32_t visit_wide(ntpio__deflater *d, size_t at)
 }
 
 /* The match that saves most of those longer than `longest`.  sums: from this byte on. */
-static inline match best_wide(ntpio__deflater *d, size_t at, const uint32_t *sums, uint32_t longest,
+static inline match best_wide(ntpio__deflater *d, size_t at, const uint16_t *sums, uint32_t longest,
                               int depth)
 {
     match m = NOTHING;
@@ -75,7 +75,7 @@ size_t ntpio__read_far(ntpio__deflater *d, size_t from, size_t to)
     const int deep = d->literals_are_rare ? DEEPER * e->deep : e->deep;
     const int depth = d->literals_are_rare ? deep : e->depth;
     ntpio__step *out = d->steps + d->count;
-    const uint32_t *sums = d->sums; /* of the byte at `from` */
+    const uint16_t *sums = d->sums; /* of the byte at `from` */
     match m = best_wide(d, at, sums, LEAST - 1, deep);
     for (;;) {
         const uint32_t length = (uint32_t) m >> 16;

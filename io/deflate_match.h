@@ -27,11 +27,11 @@ typedef uint64_t match;
 static const uint64_t NOTHING = (uint64_t) PAYS << 32;
 
 /* This match, if it saves more than the best one. */
-static inline match better(const ntpio__deflater *d, match best, const uint32_t *sums, size_t back,
+static inline match better(const ntpio__deflater *d, match best, const uint16_t *sums, size_t back,
                            uint32_t length)
 {
     const uint32_t distance = (uint32_t) back - 1;
-    const uint32_t whole = sums[length] - sums[0];
+    const uint32_t whole = (uint16_t) (sums[length] - sums[0]);
     const uint32_t cost = d->lengths[length] + d->distances[ntpio__distance_slot(distance)];
     if (whole < cost || whole - cost <= best >> 32)
         return best;

@@ -4,6 +4,7 @@
  * saves enough
  */
 #include "deflate_match.h"
+#include "simd.h"
 
 enum {
     ZLIB_PASS = 7,           /* bytes that are passed over in zlib's way, where matches are rare */
@@ -14,9 +15,16 @@ enum {
     GOOD = 8   /* ... next to a match this long, a quarter of the places is looked at */
 };
 
+/* The shift is a constant in these only if they are part of their caller. */
+#ifdef __GNUC__
+#  define SHIFT_KNOWN static inline __attribute__((always_inline))
+#else
+#  define SHIFT_KNOWN static inline
+#endif
+
 /* The match that saves most.  sums: from this byte on; with_near: those shorter than FAR_BYTES count, too;
  * of the chain, `depth` places are looked at. */
-static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *sums, bool with_near,
+static inline match best_match(ntpio__deflater *d, size_t at, const uint16_t *sums, bool with_near,
                                int depth, uint32_t enough)
 {
     match m = NOTHING;
@@ -48,15 +56,32 @@ static inline match best_match(ntpio__deflater *d, size_t at, const uint32_t *su
     return m;
 }
 
-static void sum_literals(ntpio__deflater *d, size_t from, size_t to)
+/* From `from` to `to` - 1; `sums` begins there with `sum`.  Returns the last one, whole. */
+static uint32_t sum_some(const ntpio__deflater *d, size_t from, size_t to, uint32_t sum,
+                         uint16_t *sums)
 {
-    uint32_t sum = 0;
-    const size_t end = d->to - to < NTPIO__LENGTH_MAX ? d->to : to + NTPIO__LENGTH_MAX;
-    for (size_t i = from; i < end; i++) {
-        d->sums[i - from] = sum;
-        sum += d->literals[d->bytes[i]];
+    const uint8_t *bytes = d->bytes + from;
+    const size_t size = to - from;
+    size_t i = 0;
+#ifdef NTPIO_HAVE_AVX512
+    if (ntpio__has_avx512())
+        i = ntpio__sum_costs_avx512(bytes, size, d->literals, &sum, sums);
+#endif
+    for (; i < size; i++) {
+        sums[i] = (uint16_t) sum;
+        sum += d->literals[bytes[i]];
     }
-    d->sums[end - from] = sum;
+    sums[size] = (uint16_t) sum;
+    return sum;
+}
+
+/* Returns what all from `from` to `to` - 1 cost as literals. */
+static uint32_t sum_literals(ntpio__deflater *d, size_t from, size_t to)
+{
+    const size_t end = d->to - to < NTPIO__LENGTH_MAX ? d->to : to + NTPIO__LENGTH_MAX;
+    const uint32_t sum = sum_some(d, from, to, 0, d->sums);
+    sum_some(d, to, end, sum, d->sums + (to - from));
+    return sum;
 }
 
 static void visit_all(ntpio__deflater *d, size_t from, size_t to)
@@ -79,23 +104,38 @@ static void visit_all(ntpio__deflater *d, size_t from, size_t to)
  * have been passed over.  Now and then a span is read closely, and so are those after it while short
  * matches pay.
  */
+/* As common, where up to 15 equal bytes are likely. */
+static inline uint32_t common_soon(const uint8_t *a, const uint8_t *b, uint32_t most)
+{
+    const uint64_t first = load(a) ^ load(b), second = load(a + 8) ^ load(b + 8);
+    if ((first | second) == 0)
+        return (uint32_t) common(a, b, most);
+    const uint64_t other = first != 0 ? first : second;
+    const uint32_t same = (first != 0 ? 0 : 8) + (uint32_t) __builtin_ctzll(other) / 8;
+    return same < most ? same : most;
+}
+
 /* The newest match, or one as far back as the last far one: rows repeat those above. */
-static inline match leap_match(ntpio__deflater *d, size_t at, const uint32_t *sums, unsigned shift,
+SHIFT_KNOWN match leap_match(ntpio__deflater *d, size_t at, const uint16_t *sums, unsigned shift,
                                size_t *last)
 {
     const uint8_t *here = d->bytes + at;
     const uint64_t next = load(here);
     int32_t *slot = wide_slot(d, next, shift);
     const int32_t place = *slot;
+    const uint32_t back = (uint32_t) at - (uint32_t) place;
+    const uint32_t out_of_reach = (back - 1) / NTPIO__WINDOW | (uint32_t) place >> 31;
+    /* Without a branch, as it is hard to foresee; and what is far away is not in the cache. */
+    const uint8_t *there = here - (back & -(uint32_t) (out_of_reach == 0));
     *slot = (int32_t) at;
     __builtin_prefetch(wide_slot(d, load(here + SOON), shift), 1);
-    if (!in_reach(place, at) || (load(d->bytes + place) ^ next) << shift != 0)
+    if (((load(there) ^ next) << shift | out_of_reach) != 0)
         return NOTHING;
     const uint32_t most = most_at(d, at);
-    uint32_t length = (uint32_t) common(d->bytes + place, here, most);
+    uint32_t length = common_soon(there, here, most);
     match m = NOTHING;
     if (length >= FAR_BYTES)
-        m = better(d, m, sums, at - (size_t) place, length);
+        m = better(d, m, sums, back, length);
     if (*last != 0 && (uint32_t) m != 0 && length < most) {
         length = (uint32_t) common(here - *last, here, most);
         if (length >= FAR_BYTES)
@@ -106,7 +146,7 @@ static inline match leap_match(ntpio__deflater *d, size_t at, const uint32_t *su
     return m;
 }
 
-static void visit_leaping(ntpio__deflater *d, size_t from, size_t to, unsigned shift)
+SHIFT_KNOWN void visit_leaping(ntpio__deflater *d, size_t from, size_t to, unsigned shift)
 {
     const size_t gap = to - from > MUCH ? from + FEW : to;
     for (size_t i = from; i < gap; i++)
@@ -115,12 +155,10 @@ static void visit_leaping(ntpio__deflater *d, size_t from, size_t to, unsigned s
         *wide_slot(d, load(d->bytes + i), shift) = (int32_t) i;
 }
 
-static size_t read_leaping(ntpio__deflater *d, size_t from, size_t to)
+SHIFT_KNOWN size_t leap(ntpio__deflater *d, size_t from, size_t to, unsigned shift)
 {
     size_t at = from, written = from, misses = d->misses;
     ntpio__step *out = d->steps + d->count;
-    const bool dear = d->sums[to - from] > LITERALS_COST * (to - from);
-    const unsigned shift = dear ? 64 - 8 * FAR_BYTES : 0;
     size_t last = 0;
     match next = NOTHING;
     while (at < to) {
@@ -148,6 +186,13 @@ static size_t read_leaping(ntpio__deflater *d, size_t from, size_t to)
     return at;
 }
 
+static size_t read_leaping(ntpio__deflater *d, size_t from, size_t to, uint32_t cost)
+{
+    if (cost > LITERALS_COST * (to - from))
+        return leap(d, from, to, 64 - 8 * FAR_BYTES);
+    return leap(d, from, to, 0);
+}
+
 /* ------------------------------------------------------------------------- closely */
 
 /* Reads the span up to `to`, or as far as its last match goes.  Returns where that is. */
@@ -161,7 +206,7 @@ static size_t read_closely(ntpio__deflater *d, size_t from, size_t to)
     const bool deeper = d->literals_are_rare && !e.leaps; /* leaps leave no chains */
     const int deep = deeper ? DEEPER * e.deep : e.deep, depth = deeper ? deep : e.depth;
     ntpio__step *out = d->steps + d->count;
-    const uint32_t *sums = d->sums; /* of the byte at `from` */
+    const uint16_t *sums = d->sums; /* of the byte at `from` */
     match m = best_match(d, at, sums + (at - from), true, deep, e.enough);
     for (;;) {
         const uint32_t length = (uint32_t) m >> 16;
@@ -212,13 +257,13 @@ static size_t read_closely(ntpio__deflater *d, size_t from, size_t to)
 
 size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
 {
-    sum_literals(d, from, to);
+    const uint32_t cost = sum_literals(d, from, to);
     if (d->effort->far)
         return ntpio__read_far(d, from, to);
     if (d->leaps == 0)
         return read_closely(d, from, to);
     d->leaps--;
-    return read_leaping(d, from, to);
+    return read_leaping(d, from, to, cost);
 }
 
 /* ------------------------------------------------------------------------ as zlib does */

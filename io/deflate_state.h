@@ -74,7 +74,8 @@ struct ntpio__deflater {
     ntpio__bits bits;
     size_t in_bits; /* of what was packed last */
     /* These hold nothing until they are written, and small pictures fill few pages of them. */
-    uint32_t sums[SPAN + NTPIO__LENGTH_MAX + 1]; /* of costs as literals, from the span's start */
+    /* Of costs as literals, from the span's start; their low bits: those of a match take 16 or less. */
+    uint16_t sums[SPAN + NTPIO__LENGTH_MAX + 1];
     ntpio__step steps[BLOCK + 2 * SPAN];
 };
 
@@ -97,6 +98,13 @@ size_t ntpio__read_far(ntpio__deflater *d, size_t from, size_t to); /* of ntpio_
 size_t ntpio__read_as_zlib(ntpio__deflater *d, size_t from, size_t to);
 size_t ntpio__read_carefully(ntpio__deflater *d, size_t from, size_t to, bool first,
                              ntpio__counts *counts);
+
+/*
+ * Sums of what the bytes before each one cost as literals; the first is *sum, which gets what all of them
+ * cost added.  With AVX-512, of as many of the first bytes as fit in its registers: returns how many.
+ */
+size_t ntpio__sum_costs_avx512(const uint8_t *bytes, size_t size, const uint32_t *costs,
+                               uint32_t *sum, uint16_t *sums);
 
 /* The first byte is the lowest one. */
 static inline uint64_t load(const uint8_t *b)

@@ -80,8 +80,7 @@ bool ntpio__band_init(const ntpio__banding *p, ntpio__band *b)
     ntpio__band_free(b);
     b->deflater = ntpio__deflater_new(p->rival != 0 ? NTPIO__LEVEL_MAX : p->level);
     b->raw = new_rows(p);
-    b->filtered = malloc(NTPIO__WINDOW + size + NTPIO__SLACK);
-    os_large_pages(b->filtered, NTPIO__WINDOW + size);
+    b->filtered = os_alloc_large(NTPIO__WINDOW + size + NTPIO__SLACK);
     b->out = malloc(most_packed(p));
     b->again = malloc(most_packed(p));
     return b->deflater != NULL && b->raw != NULL && b->filtered != NULL && b->out != NULL &&

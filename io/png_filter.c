@@ -4,7 +4,8 @@
  *
  * When they are undone, each texel waits for the one to its left, so the work in one texel decides
  * the speed: with SSE2 or NEON all its bytes are undone together.  When they are done, nothing waits,
- * and these do 16 bytes at once, or 32 with AVX2 (png_filter_avx2.c).  Plain C gives the same bytes.
+ * and these do 16 bytes at once, or 32 with AVX2 (png_filter_avx2.c), or 64 with AVX-512
+ * (png_filter_avx512.c).  Plain C gives the same bytes.
  */
 #include "png_filter.h"
 
@@ -12,8 +13,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "simd.h"
+
 #if defined NTPIO_NO_SIMD
-#  undef NTPIO_HAVE_AVX2
 #elif defined __SSE2__ && defined __x86_64__
 #  define IN_SSE2
 #elif defined __ARM_NEON && defined __aarch64__ && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
@@ -21,24 +23,6 @@
 #endif
 #if defined IN_SSE2 || defined IN_NEON
 #  define IN_REGISTERS
-#endif
-
-/* As the library asks (base/cpu.c): glibc knows since the program's start. */
-#ifdef NTPIO_HAVE_AVX2
-#  ifdef __has_include
-#    if __has_include(<sys/platform/x86.h>) /* of glibc 2.33 and later */
-#      include <sys/platform/x86.h>
-#    endif
-#  endif
-
-static bool has_avx2(void)
-{
-#  ifdef CPU_FEATURE_ACTIVE
-    return CPU_FEATURE_ACTIVE(AVX2);
-#  else
-    return __builtin_cpu_supports("avx2");
-#  endif
-}
 #endif
 
 /* The size of a texel is a constant in these only if they are part of their caller. */
@@ -300,8 +284,12 @@ void ntpio__filter(uint8_t *out, const uint8_t *row, const uint8_t *above, size_
                    size_t texel, int kind)
 {
     size_t done = 0;
+#ifdef NTPIO_HAVE_AVX512
+    if (ntpio__has_avx512())
+        done = ntpio__filter_avx512(out, row, above, size, texel, kind);
+#endif
 #ifdef NTPIO_HAVE_AVX2
-    if (has_avx2())
+    if (done == 0 && ntpio__has_avx2())
         done = ntpio__filter_avx2(out, row, above, size, texel, kind);
 #endif
     switch (kind) {
@@ -365,11 +353,15 @@ void ntpio__filter_sums(const uint8_t *row, const uint8_t *above, size_t size, s
 {
     const uint8_t *const left = row - texel, *const corner = above - texel;
     size_t i = 0;
-#ifdef NTPIO_HAVE_AVX2
-    if (has_avx2())
-        i = ntpio__filter_sums_avx2(row, above, size, texel, of_kinds);
-    else
+#ifdef NTPIO_HAVE_AVX512
+    if (ntpio__has_avx512())
+        i = ntpio__filter_sums_avx512(row, above, size, texel, of_kinds);
 #endif
+#ifdef NTPIO_HAVE_AVX2
+    if (i == 0 && ntpio__has_avx2())
+        i = ntpio__filter_sums_avx2(row, above, size, texel, of_kinds);
+#endif
+    if (i == 0)
         i = sum_most(row, above, size, texel, of_kinds);
     for (; i < size; i++) {
         for (int kind = NONE; kind <= PAETH; kind++) {

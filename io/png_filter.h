@@ -45,7 +45,11 @@ void ntpio__filter(uint8_t *out, const uint8_t *row, const uint8_t *above, size_
 void ntpio__filter_sums(const uint8_t *row, const uint8_t *above, size_t size, size_t texel,
                         uint64_t *of_kinds);
 
-/* Both with AVX2, of as many of the first bytes as fit in its registers: returns how many. */
+/* Both with AVX-512 or AVX2, of as many of the first bytes as fit in its registers: returns how many. */
+size_t ntpio__filter_avx512(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
+                            size_t texel, int kind);
+size_t ntpio__filter_sums_avx512(const uint8_t *row, const uint8_t *above, size_t size,
+                                 size_t texel, uint64_t *of_kinds);
 size_t ntpio__filter_avx2(uint8_t *out, const uint8_t *row, const uint8_t *above, size_t size,
                           size_t texel, int kind);
 size_t ntpio__filter_sums_avx2(const uint8_t *row, const uint8_t *above, size_t size, size_t texel,
