@@ -25,6 +25,7 @@ enum {
     ZLIB_BLOCK = 16383, /* symbols of zlib's blocks */
     NEVER = 31,         /* patience */
     CAREFUL = 10,       /* levels from here on */
+    TABLES = 4,         /* that literals are counted in */
     LENGTH_MIN = 3,     /* of a match */
     LITERAL_MAX = 15,   /* bits */
     LENGTH_COST_MAX = 13,
@@ -141,8 +142,8 @@ static uint64_t block_cost(const ntpio__counts *counts)
         used += counts->words[i] != 0;
     for (unsigned i = 0; i < NTPIO__DISTANCES; i++)
         used += counts->distances[i] != 0;
-    return (uint64_t) entropy(counts->words, NTPIO__WORDS) + entropy(counts->distances, NTPIO__DISTANCES) +
-           (uint64_t) BIT * (120 + 4 * used);
+    return (uint64_t) entropy(counts->words, NTPIO__WORDS) +
+           entropy(counts->distances, NTPIO__DISTANCES) + (uint64_t) BIT * (120 + 4 * used);
 }
 
 static void end_block(ntpio__deflater *d, bool last)
@@ -159,31 +160,27 @@ static void end_block(ntpio__deflater *d, bool last)
     memset(&d->block, 0, sizeof d->block);
 }
 
-/* Four tables by turns: adding to the same number again has to wait. */
+/* Four tables by turns: adding to the same number again has to wait.  The last bytes, which are fewer,
+ * without a branch that is hard to foresee. */
 static inline void count_literals(uint32_t (*counts)[NTPIO__LITERALS], const uint8_t *bytes,
                                   size_t count)
 {
+    enum { AT_ONCE = 8 };
     size_t i = 0;
-    for (; i + 8 <= count; i += 8) {
-        uint64_t w;
-        memcpy(&w, bytes + i, 8);
-        counts[0][w & 255]++;
-        counts[1][w >> 8 & 255]++;
-        counts[2][w >> 16 & 255]++;
-        counts[3][w >> 24 & 255]++;
-        counts[0][w >> 32 & 255]++;
-        counts[1][w >> 40 & 255]++;
-        counts[2][w >> 48 & 255]++;
-        counts[3][w >> 56]++;
+    for (; i + AT_ONCE <= count; i += AT_ONCE) {
+        const uint64_t w = load(bytes + i);
+        for (unsigned k = 0; k < AT_ONCE; k++)
+            counts[k % TABLES][w >> 8 * k & 255]++;
     }
-    for (; i < count; i++)
-        counts[i % 4][bytes[i]]++;
+    const uint64_t w = load(bytes + i);
+    for (unsigned k = 0; k < AT_ONCE; k++)
+        counts[k % TABLES][w >> 8 * k & 255] += k < count - i;
 }
 
 /* Counts the steps that came to the newest part. */
 static void count_part(ntpio__deflater *d)
 {
-    uint32_t counts[4][NTPIO__LITERALS];
+    uint32_t counts[TABLES][NTPIO__LITERALS];
     memset(counts, 0, sizeof counts);
     const uint8_t *first = d->bytes + d->block_from + d->block_bytes + d->part_bytes, *at = first;
     for (; d->counted < d->count; d->counted++) {

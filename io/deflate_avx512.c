@@ -9,7 +9,7 @@
 enum {
     AT_ONCE = 64,
     HALF = 32,
-    ENTRIES = 64,  /* of the table, in a register */
+    ENTRIES = 64, /* of the table, in a register */
     LAST = 0x0f0e /* bytes of the last word of 16 bytes */
 };
 

@@ -6,6 +6,8 @@
 
 #include <stdlib.h>
 
+#include "simd.h"
+
 enum {
     END = 256,
     CODE_MAX = 15,        /* bits */
@@ -279,8 +281,8 @@ static uint64_t shared_bits(const ntpio__counts *counts)
 }
 
 /* Its bits fit: 15 and 5 of the length, 15 and 13 of the distance, 7 that wait. */
-static inline void put_match(ntpio__bits *b, ntpio__match match, const uint32_t *words,
-                             const code *distances)
+NTPIO_PART void put_match(ntpio__bits *b, ntpio__match match, const uint32_t *words,
+                          const code *distances)
 {
     const uint32_t length = match >> 16, distance = match & 0xffff;
     const uint32_t word = words[NTPIO__FIRST_LENGTH + ntpio__length_slot(length)];
@@ -295,35 +297,38 @@ static inline void put_match(ntpio__bits *b, ntpio__match match, const uint32_t 
 }
 
 /* Two words of the table, one after the other, and the bits that they take. */
-static inline uint64_t join_words(uint32_t first, uint32_t second, unsigned *bits)
+NTPIO_PART uint64_t join_words(uint32_t first, uint32_t second, unsigned *bits)
 {
     *bits = (first & 0xffff) + (second & 0xffff);
     return (uint64_t) (second >> 16) << (first & 0xffff) | first >> 16;
 }
 
-/* Three at once: 45 bits, and 7 that wait.  Four, if no word is longer than FOUR_MAX.  They are joined
- * before what waits is known. */
-static inline const uint8_t *put_literals(ntpio__bits *b, const uint8_t *bytes, size_t count,
-                                          const uint32_t *words, int at_once)
+/* Four words, where some may be empty, are joined before what waits is known. */
+NTPIO_PART void put_words(ntpio__bits *b, uint32_t one, uint32_t two, uint32_t three, uint32_t four)
 {
-    const uint8_t *end = bytes + count;
-    for (; end - bytes >= at_once; bytes += at_once) {
-        unsigned some = 0, more = 0;
-        const uint64_t first = join_words(words[bytes[0]], words[bytes[1]], &some);
-        const uint64_t second = join_words(words[bytes[2]], at_once > 3 ? words[bytes[3]] : 0, &more);
-        b->waiting |= (second << some | first) << b->count;
-        b->count += some + more;
-        ntpio__flush_bits(b);
-    }
-    for (; bytes < end; bytes++)
-        ntpio__add_bits(b, words[*bytes] >> 16, words[*bytes] & 0xffff);
+    unsigned some = 0, more = 0;
+    const uint64_t first = join_words(one, two, &some), second = join_words(three, four, &more);
+    b->waiting |= (second << some | first) << b->count;
+    b->count += some + more;
     ntpio__flush_bits(b);
-    return bytes;
 }
 
-static inline void put_some(ntpio__bits *b, const ntpio__step *steps, size_t count,
-                            const uint8_t *bytes, const uint32_t *words, const code *distances,
-                            int at_once)
+/* Three at once: 45 bits, and 7 that wait.  Four, if no word is longer than FOUR_MAX.  The last ones are
+ * fewer, without a branch that is hard to foresee. */
+NTPIO_PART const uint8_t *put_literals(ntpio__bits *b, const uint8_t *bytes, size_t count,
+                                       const uint32_t *words, size_t at_once)
+{
+    for (; count >= at_once; count -= at_once, bytes += at_once)
+        put_words(b, words[bytes[0]], words[bytes[1]], words[bytes[2]],
+                  at_once > 3 ? words[bytes[3]] : 0);
+    put_words(b, count > 0 ? words[bytes[0]] : 0, count > 1 ? words[bytes[1]] : 0,
+              count > 2 ? words[bytes[2]] : 0, 0);
+    return bytes + count;
+}
+
+NTPIO_PART void put_some(ntpio__bits *b, const ntpio__step *steps, size_t count,
+                         const uint8_t *bytes, const uint32_t *words, const code *distances,
+                         size_t at_once)
 {
     for (size_t i = 0; i < count; i++) {
         bytes = put_literals(b, bytes, steps[i].literals, words, at_once);
@@ -333,22 +338,43 @@ static inline void put_some(ntpio__bits *b, const ntpio__step *steps, size_t cou
     }
 }
 
-static void put_steps(ntpio__bits *to, const ntpio__step *steps, size_t count, const uint8_t *bytes,
+NTPIO_PART void put_all(ntpio__bits *to, const ntpio__step *steps, size_t count,
+                        const uint8_t *bytes, const uint32_t *words, const code *distances,
+                        bool four)
+{
+    ntpio__bits b = *to; /* stays in registers */
+    if (four)
+        put_some(&b, steps, count, bytes, words, distances, 4);
+    else
+        put_some(&b, steps, count, bytes, words, distances, 3);
+    *to = b;
+}
+
+#ifdef NTPIO_IN_BMI2
+NTPIO_IN_BMI2 static void put_all_bmi2(ntpio__bits *to, const ntpio__step *steps, size_t count,
+                                       const uint8_t *bytes, const uint32_t *words,
+                                       const code *distances, bool four)
+{
+    put_all(to, steps, count, bytes, words, distances, four);
+}
+#endif
+
+static void put_steps(ntpio__bits *b, const ntpio__step *steps, size_t count, const uint8_t *bytes,
                       const code *words, const code *distances)
 {
     uint32_t both[NTPIO__WORDS]; /* word << 16 | its bits: one look finds both */
-    ntpio__bits b = *to;         /* stays in registers */
     unsigned longest = 0;
     for (unsigned i = 0; i < NTPIO__WORDS; i++)
         both[i] = (uint32_t) words->word[i] << 16 | words->bits[i];
     for (unsigned i = 0; i < NTPIO__LITERALS; i++)
         longest = words->bits[i] > longest ? words->bits[i] : longest;
-    if (longest <= FOUR_MAX)
-        put_some(&b, steps, count, bytes, both, distances, 4);
+#ifdef NTPIO_IN_BMI2
+    if (ntpio__has_bmi2())
+        put_all_bmi2(b, steps, count, bytes, both, distances, longest <= FOUR_MAX);
     else
-        put_some(&b, steps, count, bytes, both, distances, 3);
-    ntpio__put_bits(&b, words->word[END], words->bits[END]);
-    *to = b;
+#endif
+        put_all(b, steps, count, bytes, both, distances, longest <= FOUR_MAX);
+    ntpio__put_bits(b, words->word[END], words->bits[END]);
 }
 
 void ntpio__end_byte(ntpio__bits *b)

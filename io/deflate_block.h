@@ -44,32 +44,30 @@ static inline unsigned ntpio__top_bit(uint32_t v)
     return 31 - (unsigned) __builtin_clz(v);
 }
 
-/* Slots of lengths grow by a bit after every four, those of distances after every two. */
+/*
+ * Slots of lengths grow by a bit after every four, those of distances after every two; the first of them
+ * have no extra bits.  No branches: matches are hard to foresee.
+ */
 static inline unsigned ntpio__length_extra(uint32_t length)
 {
-    const uint32_t v = length - 3;
-    return v < 8 || length == NTPIO__LENGTH_MAX ? 0 : ntpio__top_bit(v) - 2;
+    return length == NTPIO__LENGTH_MAX ? 0 : ntpio__top_bit((length - 3) | 4) - 2;
 }
 
 static inline unsigned ntpio__length_slot(uint32_t length)
 {
-    const uint32_t v = length - 3;
-    if (length == NTPIO__LENGTH_MAX)
-        return 28;
-    return v < 8 ? v : 4 * (ntpio__top_bit(v) - 1) + (v >> (ntpio__top_bit(v) - 2) & 3);
+    const uint32_t v = length - 3, extra = ntpio__top_bit(v | 4) - 2;
+    return 4 * extra + (v >> extra) + (length == NTPIO__LENGTH_MAX);
 }
 
 static inline unsigned ntpio__distance_extra(uint32_t less_one)
 {
-    return less_one < 4 ? 0 : ntpio__top_bit(less_one) - 1;
+    return ntpio__top_bit(less_one | 2) - 1;
 }
 
 static inline unsigned ntpio__distance_slot(uint32_t less_one)
 {
-    if (less_one < 4)
-        return less_one;
-    const unsigned top = ntpio__top_bit(less_one);
-    return 2 * top + (less_one >> (top - 1) & 1);
+    const uint32_t extra = ntpio__distance_extra(less_one);
+    return 2 * extra + (less_one >> extra);
 }
 
 /* At most 57 bits may wait.  Writes eight bytes, of which the whole ones count. */

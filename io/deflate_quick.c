@@ -15,13 +15,6 @@ enum {
     GOOD = 8   /* ... next to a match this long, a quarter of the places is looked at */
 };
 
-/* The shift is a constant in these only if they are part of their caller. */
-#ifdef __GNUC__
-#  define SHIFT_KNOWN static inline __attribute__((always_inline))
-#else
-#  define SHIFT_KNOWN static inline
-#endif
-
 /* The match that saves most.  sums: from this byte on; with_near: those shorter than FAR_BYTES count, too;
  * of the chain, `depth` places are looked at. */
 static inline match best_match(ntpio__deflater *d, size_t at, const uint16_t *sums, bool with_near,
@@ -116,8 +109,8 @@ static inline uint32_t common_soon(const uint8_t *a, const uint8_t *b, uint32_t 
 }
 
 /* The newest match, or one as far back as the last far one: rows repeat those above. */
-SHIFT_KNOWN match leap_match(ntpio__deflater *d, size_t at, const uint16_t *sums, unsigned shift,
-                               size_t *last)
+NTPIO_PART match leap_match(ntpio__deflater *d, size_t at, const uint16_t *sums, unsigned shift,
+                            size_t *last)
 {
     const uint8_t *here = d->bytes + at;
     const uint64_t next = load(here);
@@ -146,7 +139,7 @@ SHIFT_KNOWN match leap_match(ntpio__deflater *d, size_t at, const uint16_t *sums
     return m;
 }
 
-SHIFT_KNOWN void visit_leaping(ntpio__deflater *d, size_t from, size_t to, unsigned shift)
+NTPIO_PART void visit_leaping(ntpio__deflater *d, size_t from, size_t to, unsigned shift)
 {
     const size_t gap = to - from > MUCH ? from + FEW : to;
     for (size_t i = from; i < gap; i++)
@@ -155,7 +148,7 @@ SHIFT_KNOWN void visit_leaping(ntpio__deflater *d, size_t from, size_t to, unsig
         *wide_slot(d, load(d->bytes + i), shift) = (int32_t) i;
 }
 
-SHIFT_KNOWN size_t leap(ntpio__deflater *d, size_t from, size_t to, unsigned shift)
+NTPIO_PART size_t leap(ntpio__deflater *d, size_t from, size_t to, unsigned shift)
 {
     size_t at = from, written = from, misses = d->misses;
     ntpio__step *out = d->steps + d->count;
@@ -186,11 +179,10 @@ SHIFT_KNOWN size_t leap(ntpio__deflater *d, size_t from, size_t to, unsigned shi
     return at;
 }
 
-static size_t read_leaping(ntpio__deflater *d, size_t from, size_t to, uint32_t cost)
+/* dear: do literals cost much? */
+static size_t read_leaping(ntpio__deflater *d, size_t from, size_t to, bool dear)
 {
-    if (cost > LITERALS_COST * (to - from))
-        return leap(d, from, to, 64 - 8 * FAR_BYTES);
-    return leap(d, from, to, 0);
+    return dear ? leap(d, from, to, 64 - 8 * FAR_BYTES) : leap(d, from, to, 0);
 }
 
 /* ------------------------------------------------------------------------- closely */
@@ -263,7 +255,7 @@ size_t ntpio__read_quickly(ntpio__deflater *d, size_t from, size_t to)
     if (d->leaps == 0)
         return read_closely(d, from, to);
     d->leaps--;
-    return read_leaping(d, from, to, cost);
+    return read_leaping(d, from, to, cost > LITERALS_COST * (to - from));
 }
 
 /* ------------------------------------------------------------------------ as zlib does */

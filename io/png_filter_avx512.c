@@ -39,8 +39,8 @@ static inline wide paeth(wide a, wide b, wide c)
     const wide to_c =
         _mm512_mask_mov_epi8(apart, is_zero(under_b) ^ is_zero(over_a), _mm512_set1_epi8(-1));
     const wide b_or_c = _mm512_mask_mov_epi8(c, _mm512_cmple_epu8_mask(to_b, to_c), b);
-    return _mm512_mask_mov_epi8(
-        b_or_c, _mm512_cmple_epu8_mask(to_a, _mm512_min_epu8(to_b, to_c)), a);
+    return _mm512_mask_mov_epi8(b_or_c, _mm512_cmple_epu8_mask(to_a, _mm512_min_epu8(to_b, to_c)),
+                                a);
 }
 
 static inline wide foretold(wide a, wide b, wide c, int kind)
@@ -94,8 +94,7 @@ size_t ntpio__filter_avx512(uint8_t *out, const uint8_t *row, const uint8_t *abo
 /* Adds the distances of the bytes that count from 0 modulo 256; eight sums, whose sum counts. */
 static inline wide add_distances(wide sum, wide value, bool all, __mmask64 which)
 {
-    const wide distances =
-        all ? _mm512_abs_epi8(value) : _mm512_maskz_abs_epi8(which, value);
+    const wide distances = all ? _mm512_abs_epi8(value) : _mm512_maskz_abs_epi8(which, value);
     return _mm512_add_epi64(sum, _mm512_sad_epu8(distances, _mm512_setzero_si512()));
 }
 
@@ -106,8 +105,8 @@ static inline void add_block(wide *sums, const uint8_t *row, const uint8_t *abov
     const wide b = load_wide(above), c = load_wide(above - texel);
     sums[NONE] = add_distances(sums[NONE], value, all, which);
     for (int kind = SUB; kind <= PAETH; kind++)
-        sums[kind] = add_distances(sums[kind], _mm512_sub_epi8(value, foretold(a, b, c, kind)),
-                                   all, which);
+        sums[kind] =
+            add_distances(sums[kind], _mm512_sub_epi8(value, foretold(a, b, c, kind)), all, which);
 }
 
 size_t ntpio__filter_sums_avx512(const uint8_t *row, const uint8_t *above, size_t size,

@@ -25,6 +25,25 @@ static inline bool ntpio__has_avx2(void)
     return __builtin_cpu_supports("avx2");
 #  endif
 }
+
+/* Shifts by any register.  Where much is shifted, it is done twice: with them, and without. */
+static inline bool ntpio__has_bmi2(void)
+{
+#  ifdef CPU_FEATURE_ACTIVE
+    return CPU_FEATURE_ACTIVE(BMI2);
+#  else
+    return __builtin_cpu_supports("bmi2");
+#  endif
+}
+
+#  define NTPIO_IN_BMI2 __attribute__((target("bmi2")))
+#endif
+
+/* A function that is part of its caller: what the caller hands it may be constants, or instructions. */
+#ifdef __GNUC__
+#  define NTPIO_PART static inline __attribute__((always_inline))
+#else
+#  define NTPIO_PART static inline
 #endif
 
 #ifdef NTPIO_HAVE_AVX512
