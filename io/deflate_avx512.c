@@ -47,6 +47,7 @@ size_t ntpio__sum_costs_avx512(const uint8_t *bytes, size_t size, const uint32_t
     wide before = _mm512_set1_epi16((short) *sum), all = _mm512_setzero_si512();
     size_t i = 0;
     for (; i + AT_ONCE <= size; i += AT_ONCE) {
+        _mm_prefetch((const void *) ((uintptr_t) bytes + i + AHEAD), _MM_HINT_T0);
         const wide v = _mm512_loadu_si512(bytes + i);
         const wide cost = _mm512_mask_blend_epi8(_mm512_movepi8_mask(v),
                                                  _mm512_permutex2var_epi8(parts[0], v, parts[1]),

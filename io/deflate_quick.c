@@ -60,9 +60,13 @@ static uint32_t sum_some(const ntpio__deflater *d, size_t from, size_t to, uint3
     if (ntpio__has_avx512())
         i = ntpio__sum_costs_avx512(bytes, size, d->literals, &sum, sums);
 #endif
-    for (; i < size; i++) {
-        sums[i] = (uint16_t) sum;
-        sum += d->literals[bytes[i]];
+    while (i < size) {
+        const size_t end = size - i < LINE ? size : i + LINE;
+        __builtin_prefetch((const void *) ((uintptr_t) bytes + i + AHEAD));
+        for (; i < end; i++) {
+            sums[i] = (uint16_t) sum;
+            sum += d->literals[bytes[i]];
+        }
     }
     sums[size] = (uint16_t) sum;
     return sum;

@@ -28,7 +28,9 @@ enum {
     WIDE_SPAN = 65536, /* ... at careful levels */
     BIT = 16,          /* costs are in parts of a bit */
     FOUND_MAX = 8,     /* matches at a byte that are remembered */
-    SOON = 4           /* bytes ahead, the tables are fetched */
+    SOON = 4,          /* bytes ahead, the tables are fetched */
+    AHEAD = 8192, /* ... and the bytes themselves, which take longest; may be after the last one */
+    LINE = 64     /* bytes that are fetched together */
 };
 
 typedef struct effort {

@@ -96,7 +96,7 @@ static void test_filters_done(void)
     static const size_t texels[] = { 1, 2, 3, 4, 6, 8 };
     enum { LEAD = NTPIO__TEXEL_MAX };
     uint8_t above[LEAD + SIDE * 8] = { 0 }, row[LEAD + SIDE * 8] = { 0 };
-    uint8_t fast[SIDE * 8], slow[SIDE * 8];
+    uint8_t fast[SIDE * 8 + 1], slow[SIDE * 8];
     for (uint32_t n = 0; n < 60000; n++) {
         const size_t texel = texels[chance(6)], size = texel * (1 + chance(SIDE));
         const int kind = (int) chance(NTPIO__FILTERS);
@@ -107,7 +107,9 @@ static void test_filters_done(void)
             row[LEAD + i] = (uint8_t) chance(values);
         }
         uint64_t sums[NTPIO__FILTERS], plain_sums[NTPIO__FILTERS];
+        fast[size] = (uint8_t) n;
         ntpio__filter(fast, row + LEAD, above + LEAD, size, texel, kind);
+        CHECK(fast[size] == (uint8_t) n);
         filter_plainly(slow, row + LEAD, above + LEAD, size, texel, kind);
         CHECK(memcmp(fast, slow, size) == 0);
         ntpio__filter_sums(row + LEAD, above + LEAD, size, texel, sums);
