@@ -88,7 +88,8 @@ void ntpio__set_costs(ntpio__deflater *d, const ntpio__counts *from)
         d->literals[i] = cost_of(from->words[i], words, LITERAL_MAX);
     for (uint32_t slot = 0; slot < NTPIO__WORDS - NTPIO__FIRST_LENGTH; slot++)
         of_slots[slot] = cost_of(from->words[NTPIO__FIRST_LENGTH + slot], words, LENGTH_COST_MAX);
-    for (uint32_t slot = 0, length = LENGTH_MIN; length < NTPIO__LENGTH_MAX; slot++) {
+    uint32_t length = LENGTH_MIN;
+    for (uint32_t slot = 0; slot < ntpio__length_slot(NTPIO__LENGTH_MAX); slot++) {
         const uint32_t extra = ntpio__length_extra(length), next = length + (1u << extra);
         const uint32_t cost = of_slots[slot] + BIT * extra;
         for (; length < next && length < NTPIO__LENGTH_MAX; length++)
