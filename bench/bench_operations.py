@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Times each operation in copies of the same picture: bench_operations.py [--size N] [FILE...]
+"""Times each operation in copies of the same picture: bench_operations.py [FILE...] [--size N]
 
 `./dev bench operations` runs it.  One copy is a memcpy of the picture as RGB8; the operation and
 the copy alternate in one run, on one thread and with `out=` given, and the median of the ratios of
 their CPU times is printed.  Beside them stands what a careful program takes that works with numpy
-and OpenCV in float32, which is not exact.  `real` is a texture of a file (else one that is made
-like it), `noise` are random levels, which should take no more than three times as long.
+and OpenCV in float32, which is not exact.  `real` is the texture of the first FILE, and `slowest` is
+what the slowest of all FILEs takes.  `noise` are random levels, which should take no more than three
+times as long as that one.  Without FILE these are the large normals textures of the corpus, or one that
+is made like them.
 """
 
 import argparse
+import csv
 import functools
 import os
 import statistics
@@ -25,11 +28,12 @@ try:
 except ImportError:
     cv2 = None
 
-NOISE_GOAL = 3  # times as long as a real texture
+NOISE_GOAL = 3  # times as long as the slowest real texture
+LARGE = 1024  # texels on both sides, of those textures of the corpus that count
 HERE = Path(__file__).resolve().parent
 CORPUS = Path(os.environ.get("NTP_CORPUS", HERE.parents[1] / "shared" / "corpus"))
 REAL = CORPUS / "glTF-Sample-Assets-OLD" / "BoomBox_normal.png"
-HEAD = ("operation", "real", "noise", "noise/real", "numpy, OpenCV", "goal")
+HEAD = ("operation", "real", "slowest", "noise", "noise/slowest", "numpy, OpenCV", "goal")
 
 
 # ------------------------------------------------------------------------------------- textures
@@ -352,19 +356,52 @@ def number(value):
     return "" if value is None else f"{value:.1f}" if value < 99.5 else f"{value:.0f}"
 
 
+def in_corpus():
+    """Large normals textures of the corpus that Pillow reads, REAL first."""
+    if not REAL.exists():
+        return []
+    with open(CORPUS / "manifest.csv", newline="", encoding="utf-8") as file:
+        rows = [r for r in csv.DictReader(file) if r["kind"] == "normals" and r["bit_depth"] == "8"]
+    found = [
+        CORPUS / r["file"]
+        for r in rows
+        if r["one_colour"] == "False" and min(int(r["width"]), int(r["height"])) >= LARGE
+    ]
+    return [REAL, *(path for path in found if path != REAL)]
+
+
+def textures(args):
+    """What `real` and `slowest` are of, one after the other."""
+    files = args.files or in_corpus()
+    if not files:
+        made = nt.normals_from_height(heights(args.size), scale=args.size / 64, depth=8)
+        yield tiled(made, args.size)
+    for path in files:
+        texture = nt.read(path)
+        if texture.dtype == np.uint8 and texture.ndim == 3 and texture.shape[2] >= 3:
+            yield tiled(texture, args.size)
+        else:
+            print(f"left out, as it is not RGB of 8 bits: {path}", file=sys.stderr)
+
+
+def in_turn(pictures, args):
+    """{name: time} of all rows of one content."""
+    rows = [row for row in operations(pictures) if args.only in row[0]]
+    return {name: in_copies(ours, pictures, args.rounds) for name, _, ours, _ in rows}
+
+
 def measured(args):
-    real = nt.read(args.file) if args.file else nt.read(REAL) if REAL.exists() else None
-    if real is None:
-        real = nt.normals_from_height(heights(args.size), scale=args.size / 64, depth=8)
-    contents = [Pictures(args.size, tiled(real, args.size)), Pictures(args.size, None)]
-    for mine, noise in zip(*(operations(p) for p in contents), strict=True):
-        name, goal, ours, theirs = mine
+    found = textures(args)
+    first = Pictures(args.size, next(found))
+    real = in_turn(first, args)
+    others = [in_turn(Pictures(args.size, texture), args) for texture in found]
+    noise = in_turn(Pictures(args.size, None), args)
+    for name, goal, _, theirs in operations(first):
         if args.only not in name:
             continue
-        times = [in_copies(ours, contents[0], args.rounds)]
-        times.append(in_copies(noise[2], contents[1], args.rounds))
-        beside = in_copies(theirs, contents[0], args.rounds) if theirs is not None else None
-        yield name, *times, times[1] / times[0], beside, goal
+        slowest = max(times[name] for times in (real, *others))
+        beside = in_copies(theirs, first, args.rounds) if theirs is not None else None
+        yield name, real[name], slowest, noise[name], noise[name] / slowest, beside, goal
 
 
 def verdict(real, worst, beside, goal):
@@ -378,7 +415,7 @@ def verdict(real, worst, beside, goal):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("file", nargs="?", type=Path, help="a normals texture of 8 bit")
+    parser.add_argument("files", nargs="*", type=Path, help="normals textures of 8 bit")
     parser.add_argument("--size", type=int, default=2048)
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--only", default="", help="rows whose name contains this text")
@@ -388,13 +425,15 @@ def main():
         cv2.setNumThreads(1)
     missed = 0
     line = (
-        "| {} | {} | {} | {} | {} | {} |" if args.markdown else "{:44}{:>8}{:>8}{:>12}{:>15}{:>7}"
+        "| {} | {} | {} | {} | {} | {} | {} |"
+        if args.markdown
+        else "{:44}{:>8}{:>9}{:>8}{:>15}{:>15}{:>7}"
     )
     print(line.format(*HEAD))
     if args.markdown:
-        print("|---|--:|--:|--:|--:|--:|")
+        print("|---|--:|--:|--:|--:|--:|--:|")
     for name, *times, goal in measured(args):
-        words = verdict(times[0], times[2], times[3], goal)
+        words = verdict(times[0], times[3], times[4], goal)
         missed += bool(words)
         row = line.format(name, *map(number, times), format(goal, "g"))
         print(row if args.markdown else f"{row}  {words}", flush=True)
