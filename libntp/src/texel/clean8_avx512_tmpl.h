@@ -2,9 +2,9 @@
 /*
  * clean8_avx512_tmpl.h - derives the blue of packed 8-bit pixels, with AVX-512; a part of kernels_avx512.c
  *
- * As clean8_tmpl.h, which says why: 32 texels a step, first asked whether their blues are the derived ones
- * where those of the last step were.  Pairs that are too long are looked up in the table after all others,
- * sixteen at a time.
+ * As clean8_tmpl.h, which says why: 32 texels a step, those of three channels first asked whether their
+ * blues are the derived ones where those of the last step were.  Pairs that are too long are looked up in
+ * the table after all others, sixteen at a time.
  */
 
 enum { STEP_8 = 32 /* texels */, LOW_8 = 64 /* bytes */, AT_ONCE = 512 /* texels */ };
@@ -39,20 +39,26 @@ static ALWAYS_INLINE __m512i half_of(__m512i words, int k)
                                         : _mm512_extracti64x4_epi64(words, 1));
 }
 
-/* Appends those colors of 32 to a list; returns how many they are. */
+/* Appends those of 16 to a list; returns how many they are. */
+static ALWAYS_INLINE int32_t append(uint32_t *to, __m512i c, __mmask16 these)
+{
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(these, c));
+    return __builtin_popcount(these);
+}
+
+/* Appends those colors of 32, with all bits above them. */
 static ALWAYS_INLINE int32_t append_colors(uint32_t *to, texels t, __mmask32 which)
 {
     int32_t found = 0;
     for (int k = 0; k < 2; k++) {
-        const __mmask16 these = (__mmask16) (which >> 16 * k);
-        const __m512i c = _mm512_or_si512(half_of(t.rg, k), _mm512_slli_epi32(half_of(t.b, k), 16));
-        _mm512_storeu_si512(to + found, _mm512_maskz_compress_epi32(these, c));
-        found += __builtin_popcount(these);
+        const __m512i above = _mm512_or_si512(half_of(t.b, k), _mm512_set1_epi32(0xff00));
+        const __m512i c = _mm512_or_si512(half_of(t.rg, k), _mm512_slli_epi32(above, 16));
+        found += append(to + found, c, (__mmask16) (which >> 16 * k));
     }
     return found;
 }
 
-/* Cleans n colors by the table, and sets the byte above them.  Returns how many changed. */
+/* Cleans n colors by the table, and keeps the byte above them.  Returns how many changed. */
 static uint64_t look_up(uint32_t *color, int32_t n, const uint32_t *table, uint32_t touch_unused)
 {
     const __m512i rgb = _mm512_set1_epi32(0xffffff);
@@ -62,15 +68,15 @@ static uint64_t look_up(uint32_t *color, int32_t n, const uint32_t *table, uint3
     _mm512_storeu_si512(color + n, _mm512_setzero_si512());
     for (int32_t i = 0; i < n; i += LANES_512) {
         const __mmask16 some = n - i < LANES_512 ? (__mmask16) ((1U << (n - i)) - 1) : 0xffff;
-        const __m512i c = _mm512_loadu_si512(color + i);
+        const __m512i v = _mm512_loadu_si512(color + i), c = _mm512_and_si512(v, rgb);
         const __m512i pair = _mm512_and_si512(c, _mm512_set1_epi32(0xffff));
         const __mmask16 stay =
             (_mm512_testn_epi32_mask(c, c) & black) | (_mm512_cmpeq_epi32_mask(c, rgb) & white);
         __m512i to = _mm512_and_si512(_mm512_i32gather_epi32(pair, table, 4), rgb);
-        to = _mm512_mask_mov_epi32(to, stay, c);
-        changed += __builtin_popcount(_mm512_mask_cmpneq_epi32_mask(some, to, c));
-        _mm512_storeu_si512(color + i,
-                            _mm512_or_si512(to, _mm512_set1_epi32((int32_t) ~0xffffffU)));
+        to = _mm512_or_si512(to, _mm512_andnot_si512(rgb, v));
+        to = _mm512_mask_mov_epi32(to, stay, v);
+        changed += __builtin_popcount(_mm512_mask_cmpneq_epi32_mask(some, to, v));
+        _mm512_storeu_si512(color + i, to);
     }
     return (uint64_t) changed;
 }
@@ -146,4 +152,48 @@ static ALWAYS_INLINE int32_t derive_8(uint8_t *d, const uint8_t *s, int32_t n, u
         _mm256_storeu_si256((void *) (d + LOW_8), _mm512_castsi512_si256(w));
     }
     return found;
+}
+
+/* As derive_8, of pixels with alpha; those below `least` stay as they are.  Words are the pairs of 16 pixels,
+ * and above each that of one of the next 16. */
+static int32_t derive_rgba(uint8_t *d, const uint8_t *s, int32_t n, uint32_t *left,
+                           __mmask16 *which, uint32_t least, uint64_t *changed)
+{
+    const __m512i unused = _mm512_set1_epi32((int32_t) least);
+    int32_t found = 0, others = 0;
+    for (int32_t i = 0; i < n; i += STEP_8, s += 4 * STEP_8, d += 4 * STEP_8) {
+        const __m512i v[2] = { _mm512_loadu_si512(s), _mm512_loadu_si512(s + 4 * LANES_512) };
+        const __m512i e =
+            rest_words(_mm512_mask_mov_epi16(v[0], 0xaaaaaaaa, _mm512_slli_epi32(v[1], 16)));
+        for (int k = 0; found > LANES_512 && k < 4 * STEP_8; k += LOW_8) { /* as there */
+            _mm_prefetch((const char *) (s + 4 * AT_ONCE + k), _MM_HINT_T0);
+            _mm_prefetch((const char *) (d + 4 * AT_ONCE + k), _MM_HINT_T0);
+        }
+        for (int k = 0; k < 2; k++) {
+            const __m512i rest = _mm512_srai_epi32(k == 0 ? _mm512_slli_epi32(e, 16) : e, 16);
+            const __m512i t = _mm512_add_epi32(root_of(rest, false), _mm512_set1_epi32(128));
+            const __mmask16 used = _mm512_cmpge_epu32_mask(v[k], unused);
+            const __mmask16 longs =
+                _mm512_mask_cmplt_epi32_mask(used, rest, _mm512_setzero_si512());
+            /* t instead of v in the bits of blue */
+            const __m512i now = _mm512_mask_ternarylogic_epi32(
+                v[k], used ^ longs, _mm512_slli_epi32(t, 16), _mm512_set1_epi32(0xff0000), 0xd8);
+            others += __builtin_popcount(_mm512_cmpneq_epi32_mask(now, v[k]));
+            _mm512_storeu_si512(d + 4 * LANES_512 * k, now);
+            *which++ = longs;
+            found += append(left + found, v[k], longs);
+        }
+    }
+    *changed += (uint64_t) others;
+    return found;
+}
+
+/* Puts colors of a list into those of n pixels with alpha. */
+static void put_rgba(uint8_t *d, int32_t n, const uint32_t *color, const __mmask16 *which)
+{
+    for (int32_t i = 0; i < n; i += LANES_512, d += 4 * LANES_512) {
+        const __m512i v = _mm512_loadu_si512(d), c = _mm512_loadu_si512(color);
+        _mm512_storeu_si512(d, _mm512_mask_expand_epi32(v, which[i / LANES_512], c));
+        color += __builtin_popcount(which[i / LANES_512]);
+    }
 }

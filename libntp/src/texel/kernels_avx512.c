@@ -397,3 +397,25 @@ uint64_t ntp__clean_rgb8_avx512(uint8_t *dst, const uint8_t *src, size_t n, cons
     }
     return changed + clean(dst + 3 * i, src + 3 * i, n - i, table, blue, kept, touch_unused);
 }
+
+uint64_t ntp__clean_rgba8_avx512(uint8_t *dst, const uint8_t *src, size_t n, const uint32_t *table,
+                                 const uint8_t *blue, uint32_t kept, uint32_t touch_unused)
+{
+    ntp__clean8_fn *const clean = ntp__kernels(NTP__CPU_AVX2)->clean_rgba8;
+    const uint32_t least = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : 1U << 24;
+    uint32_t others[AT_ONCE + LANES_512];
+    __mmask16 longs[AT_ONCE / LANES_512];
+    uint64_t changed = 0;
+    size_t i = 0;
+    while (blue != NULL && kept == 0 && n - i >= STEP_8) {
+        const size_t left = (n - i) / STEP_8 * STEP_8, next = left < AT_ONCE ? left : AT_ONCE;
+        const int32_t found =
+            derive_rgba(dst + 4 * i, src + 4 * i, (int32_t) next, others, longs, least, &changed);
+        if (found > 0) {
+            changed += look_up(others, found, table, touch_unused);
+            put_rgba(dst + 4 * i, (int32_t) next, others, longs);
+        }
+        i += next;
+    }
+    return changed + clean(dst + 4 * i, src + 4 * i, n - i, table, blue, kept, touch_unused);
+}

@@ -8,7 +8,7 @@
 #include "texel/kernels.h"
 
 ntp__normalize_rgb_fn ntp__normalize_rgb8_avx512, ntp__normalize_rgb16_avx512;
-ntp__clean8_fn ntp__clean_rgb8_avx512;
+ntp__clean8_fn ntp__clean_rgb8_avx512, ntp__clean_rgba8_avx512;
 ntp__derive16_fn ntp__derive_rgb16_avx512;
 ntp__validate_rgb_fn ntp__validate_rgb_avx512;
 ntp__count_close8_fn ntp__count_close8_avx512; /* adds to the survey, too */
