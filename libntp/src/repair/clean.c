@@ -325,9 +325,10 @@ static void clean_block(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean
     copy_alpha(j, x, y, n);
 }
 
-static bool is_plain_rgb(const job *j)
+/* Packed colors, for which there may be kernels. */
+static bool is_plain(const job *j)
 {
-    return j->src->channels == 3 && blue_is_written(j) && !j->how.only_failing &&
+    return j->src->channels >= 3 && blue_is_written(j) && !j->how.only_failing &&
            !j->how.keep_negative_z && ntp__is_packed(j->src) &&
            j->dst->pixel_stride == j->src->pixel_stride;
 }
@@ -358,9 +359,10 @@ static bool has_length_kernel(const job *j)
 
 static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean_counts *counts)
 {
-    const bool rgb = is_plain_rgb(j), by_length = rgb && has_length_kernel(j);
-    const bool plain = rgb && has_kernel(j);
-    const bool deep = plain && j->src->type == NTP_TYPE_U16 && j->kernels->derive_rgb16 != NULL;
+    const bool rgb = j->src->channels == 3, any = is_plain(j) && (rgb || j->kernels->move_colors);
+    const bool by_length = any && has_length_kernel(j), derives = any && has_kernel(j);
+    const bool plain = rgb && derives;
+    const bool deep = derives && j->src->type == NTP_TYPE_U16 && j->kernels->derive_rgb16 != NULL;
     /* Blocks with pairs that are too long.  Where these come closely, larger ones are done without the
      * kernel, unless there is another one for them. */
     const int32_t least = plain && !deep ? NTP__KERNEL_STEP : NTP__BLOCK;
@@ -373,7 +375,9 @@ static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean
         }
         int32_t n = x1 - x < most ? x1 - x : most;
         const int32_t steps = by_length || deep ? n / NTP__KERNEL_STEP * NTP__KERNEL_STEP : 0;
-        if (steps > 0)
+        if (steps > 0 && !rgb)
+            clean_colors(j, x, y, n = steps, &counts->changed);
+        else if (steps > 0)
             clean_steps(j, x, y, n = steps, &counts->changed);
         else
             clean_block(j, x, y, n, counts);

@@ -3,7 +3,7 @@
  * clean_steps_tmpl.h - cleans whole steps of packed RGB; included by clean.c, whose job it does
  *
  * Kernels leave a list of pixels.  Unused ones of that stay as they are, and pairs that are too long are
- * pulled many at once.
+ * pulled many at once.  The colors of RGBA are packed for that.
  */
 
 /* The kernel for packed RGB, if there is one. */
@@ -78,4 +78,20 @@ static void clean_steps(const job *j, int32_t x, int32_t y, int32_t n, uint64_t 
         *changed += clean_at(j, &one, 0);
         ntp__pack(j->dst, &one, x + p.at[i], y, 1, 3);
     }
+}
+
+/* Whole steps of packed RGBA.  Flat colors, which transparent pixels have meanwhile, do not change. */
+static void clean_colors(const job *j, int32_t x, int32_t y, int32_t n, uint64_t *changed)
+{
+    uint16_t rgb[3 * (NTP__BLOCK + 1)];
+    const ntp_image image = ntp_image_packed(rgb, NTP__BLOCK, 1, 3, j->src->type);
+    const ntp_const_image view = ntp_image_as_const(&image);
+    const void *s = ntp__at(j->src, x, y);
+    job colors = *j;
+    colors.dst = &image;
+    colors.src = &view;
+    j->kernels->move_colors((uint8_t *) rgb, NULL, s, n, j->m, j->how.touch_unused);
+    clean_steps(&colors, 0, 0, n, changed);
+    j->kernels->move_colors((uint8_t *) rgb, (uint8_t *) ntp__at_mut(j->dst, x, y), s, n, j->m,
+                            j->how.touch_unused);
 }

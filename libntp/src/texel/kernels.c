@@ -294,6 +294,8 @@ static inline int32_t blue(int32_t e, int32_t k, int32_t zzero)
 #include "texel/normalize8_tmpl.h"
 #include "texel/normalize16_tmpl.h"
 
+#include "texel/colors_tmpl.h"
+
 static inline void derive_loop(int32_t *restrict want, const int32_t *restrict r,
                                const int32_t *restrict g, int32_t n, int32_t m, int32_t zzero)
 {
@@ -445,6 +447,7 @@ const ntp__kernels_table CONCAT(ntp__kernels_, NTP_ISA) = {
     normalize,
     normalize_rgb8,
     normalize_rgb16,
+    move_colors,
     find,
     pull,
     suspect,
