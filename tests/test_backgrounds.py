@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Textures with backgrounds: packed RGB has loops of its own, and RGBA that is opaque has none of them."""
+"""Textures with backgrounds: packed RGB has loops of its own, and RGBA that is opaque has few of them."""
 
 import numpy as np
 import pytest
 
 from support import libntp_ffi as ntp
+from support import oracle
 from support.texels import TYPES
 
 NULL = ntp.ffi.NULL
 SIZE = 96, 320  # more than a block wide
-METHODS = (0, 1)  # derive, normalize
+METHODS = ("derive", "normalize")
 FILTERS = (0, 1, 2)
 TOUCH = (0, ntp.UNUSED_BLACK, ntp.UNUSED_WHITE, 7)
 
@@ -39,6 +40,11 @@ def opaque(rgb, m):
     return np.dstack([rgb, np.full(rgb.shape[:2], m, rgb.dtype)])
 
 
+def apart(pixels):
+    """Bytes between pixels: these are cleaned as planes, by none of the loops for packed ones."""
+    return np.dstack([pixels, pixels[..., :1]])[..., :-1]
+
+
 def both(m, run):
     """What `run` makes of packed RGB, and of RGBA."""
     for seed in range(3):
@@ -49,15 +55,50 @@ def both(m, run):
 
 @pytest.mark.parametrize("m", TYPES)
 @pytest.mark.parametrize("touch", TOUCH)
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", range(len(METHODS)))
 def test_clean(method, touch, m):
     for seed in range(3):
         src = texture(m, seed)
         how = ntp.clean_options(method=method, touch_unused=touch)
         got, count = ntp.clean(src, how=how)[:2]
-        want, same = ntp.clean(opaque(src, m), how=how)[:2]
-        assert np.array_equal(got, want[..., :3])
+        want, same = ntp.clean(apart(src), how=how)[:2]
+        assert np.array_equal(got, want)
         assert count == same == (got != src).any(-1).sum()
+
+
+@pytest.mark.parametrize("m", TYPES)
+@pytest.mark.parametrize("touch", TOUCH)
+@pytest.mark.parametrize("encoding", [ntp.STANDARD, ntp.ZZERO])
+@pytest.mark.parametrize("method", range(len(METHODS)))
+def test_clean_alpha(method, encoding, touch, m):
+    """Alphas of all sorts, some of one byte 0: the packed colors of RGBA are cleaned as RGB."""
+    how = ntp.clean_options(method=method, touch_unused=touch)
+    plan, _memory = ntp.clean_plan(encoding, how)
+    for seed in range(3):
+        src = opaque(texture(m, seed), m)
+        rng = np.random.default_rng(seed)
+        src[..., 3] = rng.choice([0, 1, 254, 255, m // 255 * 254, m], SIZE)
+        src[40:50, :, 3] = 0
+        src[50:60, :, 3] = m
+        for width in (320, 257, 31, 15):
+            some = np.ascontiguousarray(src[:, :width])
+            want, count = ntp.clean(apart(some), encoding, how)[:2]
+            used = ~oracle.unused(some, m, touch)
+            assert (want != some).any(-1)[used].sum() == count == (want != some).any(-1).sum()
+            for got, same, _ in (
+                ntp.clean(some, encoding, how),
+                ntp.clean(some, encoding, how, plan),
+                ntp.clean(some, encoding, how, dst=some),  # in place; the last one
+            ):
+                assert np.array_equal(got, want), np.argwhere(got != want)[:5]
+                assert count == same
+    got = ntp.clean(src, encoding, how)[0]
+    for x, y in enumerate(rng.integers(0, SIZE[0], 300).tolist()):
+        *texel, alpha = src[y, x].tolist()
+        want = texel
+        if not oracle.unused(src[y, x], m, touch):
+            want = oracle.cleaned(*texel, m, encoding == ntp.ZZERO, METHODS[method])
+        assert got[y, x].tolist() == [*want, alpha]
 
 
 @pytest.mark.parametrize("m", TYPES)
