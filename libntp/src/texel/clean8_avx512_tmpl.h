@@ -72,6 +72,8 @@ static uint64_t look_up(uint32_t *color, int32_t n, const uint32_t *table, uint3
         const __m512i pair = _mm512_and_si512(c, _mm512_set1_epi32(0xffff));
         const __mmask16 stay =
             (_mm512_testn_epi32_mask(c, c) & black) | (_mm512_cmpeq_epi32_mask(c, rgb) & white);
+        if (stay == 0xffff) /* a background */
+            continue;
         __m512i to = _mm512_and_si512(_mm512_i32gather_epi32(pair, table, 4), rgb);
         to = _mm512_or_si512(to, _mm512_andnot_si512(rgb, v));
         to = _mm512_mask_mov_epi32(to, stay, v);

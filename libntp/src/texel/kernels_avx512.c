@@ -154,7 +154,7 @@ static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], bool deep)
 static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t n, int32_t *at,
                                            uint64_t *changed, bool deep)
 {
-    const int32_t size = deep ? 6 : 3, at_once = STEP_BYTES / size;
+    const int32_t at_once = STEP_BYTES / (deep ? 6 : 3);
     const double unit = deep ? 0x1p-16 : 0x1p-15;
     const __m512i base = of((deep ? 0x1p36 + 32768 : 0x1p8 + 128) + unit, deep);
     const __m512i red = places_of(0, deep), green = places_of(1, deep), blue = places_of(2, deep);
@@ -172,18 +172,22 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
         }
         __m512i now = packed_levels(x[0], x[1], x[2], deep);
         const __m512i part = _mm512_min_epu16(_mm512_min_epu16(x[0], x[1]), x[2]);
-        uint32_t left = _mm512_mask_cmplt_epu16_mask(deep ? 0x11111111 : 0x55555555, part,
-                                                     _mm512_set1_epi16(deep ? 3 : 6));
+        const uint32_t left = _mm512_mask_cmplt_epu16_mask(deep ? 0x11111111 : 0x55555555, part,
+                                                           _mm512_set1_epi16(deep ? 3 : 6));
         if (left != 0) {
-            uint8_t was[64], to[64];
-            _mm512_storeu_si512(was, v);
-            _mm512_storeu_si512(to, now);
-            for (; left != 0; left &= left - 1) {
-                const int32_t k = __builtin_ctz(left) / (deep ? 4 : 2);
-                memcpy(to + size * k, was + size * k, (size_t) size);
-                at[found++] = i + k;
-            }
-            now = _mm512_loadu_si512(to);
+            /* all bits where a level is taken from */
+            const __m512i marks = _mm512_maskz_set1_epi16(left << 1, -1);
+            const __m512i those = packed_levels(marks, marks, marks, deep);
+            const __m512i places = _mm512_maskz_compress_epi32(
+                deep ? _mm512_test_epi64_mask(marks, marks) : _mm512_test_epi32_mask(marks, marks),
+                steps_of(1, i));
+            now = _mm512_mask_mov_epi8(now, _mm512_movepi8_mask(those), v);
+            /* No more than i places are known yet, as below. */
+            _mm256_storeu_si256((void *) (at + found), _mm512_castsi512_si256(places));
+            if (!deep)
+                _mm256_storeu_si256((void *) (at + found + 8),
+                                    _mm512_extracti64x4_epi64(places, 1));
+            found += __builtin_popcount(left);
         }
         const uint64_t other =
             deep ? _mm512_cmpneq_epi16_mask(now, v) : _mm512_cmpneq_epi8_mask(now, v);
