@@ -16,24 +16,29 @@ static ntp__normalize_rgb_fn *length_kernel(const job *j)
 
 /* Takes those out of a list of packed pixels that are black or white, and unused for that.  Backgrounds are full
  * of these, and one after the other they would take long.  Notes red and green of the others. */
-static int32_t leave_unused(const job *j, const void *pixels, long_pairs *p, int32_t n)
+static inline int32_t leave_unused_of(const void *pixels, long_pairs *p, int32_t n, int32_t m,
+                                      uint32_t touch_unused)
 {
     const uint8_t *const narrow = pixels;
     const uint16_t *const wide = pixels;
-    const int32_t m = j->m;
     int32_t left = 0;
     for (int32_t i = 0; i < n; i++) {
         const int32_t at = p->at[i], k = 3 * at;
         const int32_t r = m == 255 ? narrow[k] : wide[k],
                       g = m == 255 ? narrow[k + 1] : wide[k + 1];
-        if (r == g &&
-            ntp__unused(r, g, m == 255 ? narrow[k + 2] : wide[k + 2], m, m, j->how.touch_unused))
+        if (r == g && ntp__unused(r, g, m == 255 ? narrow[k + 2] : wide[k + 2], m, m, touch_unused))
             continue;
         p->c[0][left] = r;
         p->c[1][left] = g;
         p->at[left++] = at;
     }
     return left;
+}
+
+static int32_t leave_unused(const job *j, const void *pixels, long_pairs *p, int32_t n)
+{
+    return j->m == 255 ? leave_unused_of(pixels, p, n, 255, j->how.touch_unused)
+                       : leave_unused_of(pixels, p, n, 65535, j->how.touch_unused);
 }
 
 /* Cleans packed pixels of 16 bit whose pairs are too long; returns how many, p->at[0].., are left. */
