@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * cells_avx2.h - kernels for packed texels of 8 bit that count and add up, with AVX2
+ * cells_avx2.h - kernels for packed texels that count and add up, or pack their colors, with AVX2
  */
 #ifndef NTP_CELLS_AVX2_H
 #define NTP_CELLS_AVX2_H
@@ -12,5 +12,6 @@ ntp__count_alpha8_fn ntp__count_alpha8_avx2;
 ntp__count_close8_fn ntp__count_close8_avx2;
 ntp__survey8_fn ntp__survey8_avx2;
 ntp__sample8_fn ntp__sample8_avx2;
+ntp__move_colors_fn ntp__move_colors_avx2;
 
 #endif

@@ -294,8 +294,6 @@ static inline int32_t blue(int32_t e, int32_t k, int32_t zzero)
 #include "texel/normalize8_tmpl.h"
 #include "texel/normalize16_tmpl.h"
 
-#include "texel/colors_tmpl.h"
-
 static inline void derive_loop(int32_t *restrict want, const int32_t *restrict r,
                                const int32_t *restrict g, int32_t n, int32_t m, int32_t zzero)
 {
@@ -344,12 +342,14 @@ static inline int32_t whole_lanes(int32_t n)
 #  define count_close8 ntp__count_close8_avx2
 #  define survey8      ntp__survey8_avx2
 #  define sample8      ntp__sample8_avx2
+#  define move_colors  ntp__move_colors_avx2
 #else
 #  define count_cells  NULL
 #  define count_alpha8 NULL
 #  define count_close8 NULL
 #  include "texel/survey8_tmpl.h"
-#  define sample8 NULL
+#  define sample8     NULL
+#  define move_colors NULL
 #endif
 #include "texel/flags_tmpl.h"
 

@@ -280,7 +280,7 @@ typedef int32_t ntp__normalize_rgb_fn(void *dst, const void *src, int32_t n, int
 
 /* Copies the colors of n packed RGBA pixels, a multiple of four, to packed RGB; dst: from there, and the rest from
  * src.  Where an alpha of 0 makes a pixel unused, rgb gets a flat color, and dst that of src.  rgb has room for
- * one more pixel.  dst is NULL, or may be src. */
+ * four more bytes.  dst is NULL, or may be src. */
 typedef void ntp__move_colors_fn(uint8_t *rgb, uint8_t *dst, const uint8_t *src, int32_t n,
                                  int32_t m, uint32_t touch_unused);
 
@@ -326,7 +326,7 @@ typedef struct ntp__kernels_table {
     ntp__angles_of_fn *angles_of;
     ntp__normalize_fn *normalize;
     ntp__normalize_rgb_fn *normalize_rgb8, *normalize_rgb16; /* NULL where planes are as fast */
-    ntp__move_colors_fn *move_colors; /* NULL where one of these is, or derive_rgb16 */
+    ntp__move_colors_fn *move_colors;                        /* NULL where planes are as fast */
     ntp__find_fn *find;
     ntp__pull_fn *pull;
     ntp__suspect_fn *suspect;
