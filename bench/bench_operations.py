@@ -357,7 +357,7 @@ def number(value):
 
 
 def in_corpus():
-    """Large normals textures of the corpus that Pillow reads, REAL first."""
+    """Large normals textures of 8 bits of the corpus, REAL first."""
     if not REAL.exists():
         return []
     with open(CORPUS / "manifest.csv", newline="", encoding="utf-8") as file:
