@@ -130,9 +130,24 @@ static bool clean_at(const job *j, ntp__block *block, int32_t i)
     return changed;
 }
 
+/* Does the method change nothing in this block?  That of NTP_CLEAN_KEEP only mirrors negative z. */
+static bool stays(const job *j, const ntp__block *block, int32_t n)
+{
+    if (j->how.method != NTP_CLEAN_KEEP)
+        return false;
+    if (j->how.keep_negative_z || j->encoding != NTP_ENCODING_STANDARD)
+        return true;
+    int32_t low = 0;
+    for (int32_t i = 0; i < n; i++)
+        low |= ntp__z_negative(block->c[2][i], j->m);
+    return low == 0;
+}
+
 /* Texel by texel; returns how many changed.  Broken texels are left to store_floats. */
 static uint64_t clean_slowly(const job *j, ntp__block *block, int32_t n)
 {
+    if (stays(j, block, n))
+        return 0;
     uint64_t changed = 0;
     for (int32_t i = 0; i < n; i++) {
         if (!block->any_broken || !block->broken[i])
