@@ -4,6 +4,8 @@
  */
 #include "detect/filter.h"
 
+#include "base/lanes_avx2.h"
+
 #include <immintrin.h>
 
 /* out[0..7] + the products of the taps */
@@ -56,4 +58,5 @@ void ntp__filter_avx2(float *out, const float *in, ptrdiff_t stride, const float
                          sum_of(onto ? _mm256_loadu_ps(out + i) : zero, row, tap, used, i));
     if (i < n)
         _mm256_storeu_ps(out + n - LANES, sum_of(last, row, tap, used, n - LANES));
+    end_lanes();
 }

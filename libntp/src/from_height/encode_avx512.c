@@ -7,6 +7,7 @@
  */
 #include "from_height/gradient.h"
 
+#include "base/lanes_avx2.h"
 #include "texel/packed_avx512_tmpl.h"
 
 enum { STEP = LANES_512 };
@@ -162,5 +163,6 @@ int32_t ntp__encode_avx512(uint8_t *d, int32_t *at, const void *const from[3],
         for (const int32_t end = found + others; found < end; found++)
             at[found] += done;
     }
+    end_lanes();
     return found;
 }

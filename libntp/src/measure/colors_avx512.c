@@ -15,6 +15,7 @@
  */
 #include "measure/colors_avx512.h"
 
+#include "base/lanes_avx2.h"
 #include "texel/lengths_avx512_tmpl.h"
 #include "texel/packed_avx512_tmpl.h"
 #include "texel/sums_avx512_tmpl.h"
@@ -310,7 +311,7 @@ ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__co
 int32_t ntp__row_cells_avx512(ntp__cells *cells, const ntp__color_counts *counts, int32_t row)
 {
     const int32_t n = read_row(cells->blue, cells->count, counts, row);
-    _mm256_zeroupper();
+    end_lanes();
     return n;
 }
 
@@ -368,5 +369,5 @@ void ntp__add_colors_avx512(ntp__sums *sums, uint64_t blues[256], const ntp__col
         add_step(sums, blues, &c, c.n);
     }
     end(sums, &c.sums);
-    _mm256_zeroupper();
+    end_lanes();
 }

@@ -348,6 +348,7 @@ void ntp__long_products_avx2(double *s2, double *d, const int32_t *r, const int3
 {
     int32_t x[ROOM], y[ROOM];
     long_products(s2, d, x, y, r, g, b, n);
+    end_lanes();
 }
 
 /* All angles. */
@@ -471,5 +472,6 @@ int32_t ntp__add_far_avx2(ntp__sums *sums, ntp__far_counts *far, ntp__block *blo
             block->c[k][left] = block->c[k][i];
     }
     far->skip = left > n - n / 4 ? SKIPPED : 0;
+    end_lanes();
     return left;
 }

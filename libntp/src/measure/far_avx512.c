@@ -8,6 +8,7 @@
 #include "measure/far_lanes_avx512_tmpl.h"
 #include "measure/far_words_tmpl.h"
 
+#include "base/lanes_avx2.h"
 #include "texel/lengths_avx512_tmpl.h"
 #include "texel/packed_avx512_tmpl.h"
 #include "texel/survey_avx512_tmpl.h"
@@ -435,12 +436,16 @@ int32_t ntp__add_far_avx512(ntp__sums *sums, ntp__far_counts *far, ntp__block *b
         far->skip--;
         return n;
     }
-    return add_far(sums, far, NULL, block, NULL, &n);
+    const int32_t left = add_far(sums, far, NULL, block, NULL, &n);
+    end_lanes();
+    return left;
 }
 
 int32_t ntp__add_far_rgb_avx512(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found,
                                 ntp__block *left, const uint16_t *rgb, int32_t *n)
 {
     *n = *n < MOST ? *n & -LANES_512 : MOST;
-    return add_far(sums, far, found, left, rgb, n);
+    const int32_t others = add_far(sums, far, found, left, rgb, n);
+    end_lanes();
+    return others;
 }

@@ -356,5 +356,6 @@ int32_t ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, 
         finish8(out, &sum);
     count_rest(&p);
     out->different = p.different;
+    end_lanes();
     return span - rest;
 }

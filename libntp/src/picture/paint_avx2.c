@@ -8,6 +8,7 @@
  */
 #include "picture/paint_avx2.h"
 
+#include "base/lanes_avx2.h"
 #include "texel/packed_avx2_tmpl.h"
 
 #include <string.h>
@@ -270,6 +271,7 @@ int32_t ntp__shade_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const voi
         const uint32_t bits = show(n - i < STEP ? e.shown : d, &lights, i);
         found += finish(odd + i / STEP, bits, d, &e, n - i);
     }
+    end_lanes();
     return found;
 }
 
@@ -288,5 +290,6 @@ int32_t ntp__heat_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void
         const uint32_t bits = heat(n - i < STEP ? e.shown : d, t, deep, &l);
         found += finish(odd + i / STEP, bits, d, &e, n - i);
     }
+    end_lanes();
     return found;
 }

@@ -24,6 +24,7 @@
  */
 #include "reshape/mix_avx2.h"
 
+#include "base/lanes_avx2.h"
 #include "base/cpu.h"
 #include "texel/level.h"
 #include "texel/packed_avx2_tmpl.h"
@@ -359,4 +360,5 @@ void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y)
         }
     }
     settle(j, &w, row, c.deep);
+    end_lanes();
 }

@@ -6,6 +6,8 @@
  */
 #include "reshape/mix_avx2.h"
 
+#include "base/lanes_avx2.h"
+
 #include <immintrin.h>
 
 #define NUMBER       __m512d
@@ -20,6 +22,7 @@ void ntp__mix_doubles_avx512(ntp__mix_planes v, ntp__mix_planes base, ntp__mix_p
                              int32_t n, const ntp__mix_terms *t)
 {
     mixed(v, NULL, base, detail, n, t);
+    end_lanes();
 }
 
 /* Is the floor of s in doubt?  That of 0 is only where it may be off. */
@@ -52,4 +55,5 @@ void ntp__round_pairs_avx512(int32_t *pair, int32_t *left, ntp__mix_planes v, in
         _mm512_storeu_si512(left + i, _mm512_mask_mov_epi32(_mm512_loadu_si512(left + i), doubt,
                                                             _mm512_set1_epi32(-1)));
     }
+    end_lanes();
 }

@@ -7,6 +7,7 @@
  */
 #include "texel/cells_avx2.h"
 
+#include "base/lanes_avx2.h"
 #include "texel/find_four_tmpl.h"
 
 #include <immintrin.h>
@@ -259,8 +260,9 @@ void ntp__count_close8_avx2(ntp__close8_block *out, ntp__close8_counts close, co
     }
     out->others = others;
     out->colors = 0;
-    if (_mm256_testz_si256(unlike,
-                           unlike)) { /* each of these counts would wait for the one before */
+    const bool alike = _mm256_testz_si256(unlike, unlike);
+    end_lanes();
+    if (alike) { /* each of these counts would wait for the one before */
         for (int k = 0; k < COPIES; k++)
             close[at[0]][k] += (uint32_t) n / COPIES;
         return;
@@ -408,6 +410,7 @@ int32_t ntp__count_cells_avx2(ntp__cell_counts *counts, ntp__found8 *found, cons
             count_each(counts, &w);
     }
     count_each(counts, &w);
+    end_lanes();
     return i;
 }
 
@@ -442,6 +445,7 @@ int32_t ntp__count_alpha8_avx2(ntp__alphas8 *alphas, const uint8_t *src, int32_t
                 alphas->count[c][src[4 * (k + c) + 3]]++;
         }
     }
+    end_lanes();
     return i;
 }
 /* The least of 16 words. */
@@ -470,6 +474,7 @@ int32_t ntp__survey8_avx2(ntp__survey8 *s, const uint8_t *src, int32_t n, int32_
         s->greatest[k] = 255 - least_word(&words[3 + k]);
     }
     s->sum[0] -= s->sum[1];
+    end_lanes();
     return n / GROUP * GROUP;
 }
 

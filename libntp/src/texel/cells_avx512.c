@@ -10,6 +10,7 @@
  */
 #include "texel/kernels_avx512.h"
 
+#include "base/lanes_avx2.h"
 #include "texel/packed_avx512_tmpl.h"
 
 #include <string.h>
@@ -211,4 +212,5 @@ void ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close, 
     out->survey.sum[0] += sum_of(sum_r);
     out->survey.sum[1] += sum_of(sum_g);
     out->survey.sum[2] += sum_of(sum_b);
+    end_lanes();
 }

@@ -6,6 +6,7 @@
  */
 #include "texel/kernels_avx512.h"
 
+#include "base/lanes_avx2.h"
 #include "libntp.h"
 
 #include <string.h>
@@ -203,13 +204,17 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
 int32_t ntp__normalize_rgb8_avx512(void *dst, const void *src, int32_t n, int32_t *at,
                                    uint64_t *changed)
 {
-    return normalize_rgb(dst, src, n, at, changed, false);
+    const int32_t left = normalize_rgb(dst, src, n, at, changed, false);
+    end_lanes();
+    return left;
 }
 
 int32_t ntp__normalize_rgb16_avx512(void *dst, const void *src, int32_t n, int32_t *at,
                                     uint64_t *changed)
 {
-    return normalize_rgb(dst, src, n, at, changed, true);
+    const int32_t left = normalize_rgb(dst, src, n, at, changed, true);
+    end_lanes();
+    return left;
 }
 
 /* ------------------------------------------------------------------ derived blue */
@@ -245,6 +250,7 @@ int32_t ntp__derive_rgb16_avx512(uint16_t *dst, const uint16_t *src, int32_t n, 
         found += __builtin_popcount(left);
     }
     *changed += (uint64_t) sum;
+    end_lanes();
     return found;
 }
 
@@ -375,6 +381,7 @@ void ntp__validate_rgb_avx512(uint8_t *flags, const void *src, int32_t n, const 
         flags_rgb(flags, src, n, true, how);
     else
         flags_rgb(flags, src, n, false, how);
+    end_lanes();
 }
 
 /* ------------------------------------------------------------------ derived blue of 8 bit */
@@ -399,6 +406,7 @@ uint64_t ntp__clean_rgb8_avx512(uint8_t *dst, const uint8_t *src, size_t n, cons
         }
         i += next;
     }
+    end_lanes();
     return changed + clean(dst + 3 * i, src + 3 * i, n - i, table, blue, kept, touch_unused);
 }
 
@@ -421,5 +429,6 @@ uint64_t ntp__clean_rgba8_avx512(uint8_t *dst, const uint8_t *src, size_t n, con
         }
         i += next;
     }
+    end_lanes();
     return changed + clean(dst + 4 * i, src + 4 * i, n - i, table, blue, kept, touch_unused);
 }

@@ -96,5 +96,6 @@ int32_t ntp__sample8_avx2(ntp__samples *to, uint64_t to_steps[3][2], const uint3
     to->green_low += (uint32_t) i - high_g;
     to->gamma_flat += flat;
     to->gamma_unit += unit;
+    end_lanes();
     return i;
 }

@@ -6,6 +6,7 @@
  */
 #include "texel/turn_avx512.h"
 
+#include "base/lanes_avx2.h"
 #include "texel/turn_avx512_tmpl.h"
 
 /* |v x w| and v . w of vectors that differ in z alone; rho is the length of x and y. */
@@ -35,6 +36,7 @@ int32_t ntp__flat_vectors_avx512(double *s8, double *d8, const int32_t *xy, cons
         _mm512_storeu_pd(d8 + lower, _mm512_maskz_compress_pd(these, d));
         lower += __builtin_popcount(these);
     }
+    end_lanes();
     return lower;
 }
 
@@ -91,5 +93,6 @@ int32_t ntp__turns_avx512(int32_t *angle, int32_t *at, double *base, double *s, 
             found += place < n;
         }
     }
+    end_lanes();
     return found;
 }
