@@ -35,6 +35,7 @@ enum {
     NAME_FITS = 128,  /* no file system in use allows less */
     LINKS_MAX = 40,   /* symbolic links in a row, as in the kernel */
     PROC_SIZE = 40,
+    AT_ONCE = 8 << 20,  /* bytes that the system is told to write, while others are made */
     NEW_MODE = 0666,    /* less the umask */
     PRIVATE_MODE = 0600 /* until it gets that of the file that it replaces */
 };
@@ -43,6 +44,7 @@ struct os_output {
     int fd, directory; /* directory: -1 when nothing is to be renamed */
     bool unnamed;      /* of O_TMPFILE */
     bool is_input;     /* the target is what the output is made of */
+    uint64_t begun;    /* bytes that the system was told to write */
     os_file made_of;
     char *target; /* within directory */
     char *temp;   /* within directory, NULL while there is none */
@@ -314,6 +316,21 @@ bool os_output_can_seek(const os_output *output)
     return output->directory >= 0;
 }
 
+/* The system keeps what is written for long, and would write all of it in the end, when it is waited
+ * for.  Whether that worked, os_output_sync() says. */
+static void begin_to_write(os_output *output, uint64_t end)
+{
+#ifdef SYNC_FILE_RANGE_WRITE
+    if (!os_output_can_seek(output) || end < output->begun + AT_ONCE)
+        return;
+    const off_t from = (off_t) output->begun, size = (off_t) (end - output->begun);
+    if (sync_file_range(output->fd, from, size, SYNC_FILE_RANGE_WRITE) == 0)
+        output->begun = end;
+#else
+    (void) output, (void) end;
+#endif
+}
+
 bool os_output_write(os_output *output, uint64_t offset, const void *bytes, size_t size,
                      os_problem *problem)
 {
@@ -329,6 +346,7 @@ bool os_output_write(os_output *output, uint64_t offset, const void *bytes, size
         size -= (size_t) n;
         offset += (uint64_t) n;
     }
+    begin_to_write(output, offset);
     return true;
 }
 
