@@ -20,6 +20,7 @@ enum {
     SMALL = 2048,         /* symbols; in larger blocks, codes made for them are shorter */
     COUNT_MAX = (1 << 22) - 1,
     WORD_BITS = 9,
+    KEY_BITS = 32, /* of a count and its word */
     FOUR_MAX = 14, /* bits: four such words fit beside 7 bits that wait */
     STORED_MAX = 65535,
     FIXED = 1,
@@ -43,7 +44,7 @@ static void sort_keys(uint32_t *keys, int n)
     uint32_t sorted[NTPIO__WORDS], all = 0;
     for (int i = 0; i < n; i++)
         all |= keys[i];
-    for (unsigned shift = WORD_BITS; all >> shift != 0; shift += DIGIT) {
+    for (unsigned shift = WORD_BITS; shift < KEY_BITS && all >> shift != 0; shift += DIGIT) {
         uint16_t next[DIGITS + 1] = { 0 };
         for (int i = 0; i < n; i++)
             next[(keys[i] >> shift) % DIGITS + 1]++;

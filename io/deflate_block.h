@@ -70,7 +70,7 @@ static inline unsigned ntpio__distance_slot(uint32_t less_one)
     return 2 * extra + (less_one >> extra);
 }
 
-/* At most 57 bits may wait.  Writes eight bytes, of which the whole ones count. */
+/* At most 63 bits may wait.  Writes eight bytes, of which the whole ones count. */
 static inline void ntpio__flush_bits(ntpio__bits *b)
 {
     uint64_t waiting = b->waiting;

@@ -12,6 +12,7 @@
 #include "../system.h"
 #include "chance.h"
 #include "deflate.h"
+#include "deflate_block.h"
 #include "made.h"
 #include "ntpio.h"
 
@@ -86,6 +87,20 @@ static void test_streams(void)
         }
         ntpio__deflater_free(d);
     }
+}
+
+/* A word that occurs more than 2^16 times, in a block by itself. */
+static void test_common_word(void)
+{
+    enum { MANY = 70000 };
+    static uint8_t bytes[MANY], out[MANY];
+    const ntpio__step step = { MANY, 0 };
+    ntpio__counts counts = { .words = { MANY - 1, 1 } };
+    ntpio__bits bits = { .out = out };
+    bytes[MANY - 1] = 1;
+    ntpio__put_block(&bits, &step, 1, &counts, bytes, MANY, true);
+    ntpio__end_byte(&bits);
+    unpacks(out, bits.size, bytes, MANY);
 }
 
 /* --------------------------------------------------------------------------- files */
@@ -419,6 +434,7 @@ int main(void)
 {
     CHECK(system_enter_folder());
     test_streams();
+    test_common_word();
     test_kinds();
     test_large();
     test_rivals();
