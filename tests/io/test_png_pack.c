@@ -89,18 +89,39 @@ static void test_streams(void)
     }
 }
 
-/* A word that occurs more than 2^16 times, in a block by itself. */
-static void test_common_word(void)
+/* A block of literals by itself. */
+static void pack_literals(uint8_t *bytes, uint32_t size)
 {
-    enum { MANY = 70000 };
-    static uint8_t bytes[MANY], out[MANY];
-    const ntpio__step step = { MANY, 0 };
-    ntpio__counts counts = { .words = { MANY - 1, 1 } };
+    static uint8_t out[SIZE_MAX_TRIED];
+    const ntpio__step step = { size, 0 };
+    ntpio__counts counts = { { 0 }, { 0 } };
     ntpio__bits bits = { .out = out };
-    bytes[MANY - 1] = 1;
-    ntpio__put_block(&bits, &step, 1, &counts, bytes, MANY, true);
+    for (uint32_t i = 0; i < size; i++)
+        counts.words[bytes[i]]++;
+    ntpio__put_block(&bits, &step, 1, &counts, bytes, size, true);
     ntpio__end_byte(&bits);
-    unpacks(out, bits.size, bytes, MANY);
+    unpacks(out, bits.size, bytes, size);
+}
+
+/* One that occurs more than 2^16 times; and many words in a row that are as long as they may be, from
+ * any bit on. */
+static void test_literals(void)
+{
+    enum { MANY = 70000, VALUES = 21 };
+    static uint8_t bytes[SIZE_MAX_TRIED];
+    bytes[MANY - 1] = 1;
+    pack_literals(bytes, MANY);
+    for (uint32_t shift = 0; shift < 8; shift++) {
+        uint32_t size = shift, before = 0, next = 1;
+        memset(bytes, VALUES - 1, shift); /* of one bit */
+        for (uint32_t value = 0; value < VALUES; value++) {
+            memset(bytes + size, (int) value, next);
+            size += next;
+            next += before + 1;
+            before = next - before - 1;
+        }
+        pack_literals(bytes, size);
+    }
 }
 
 /* --------------------------------------------------------------------------- files */
@@ -434,7 +455,7 @@ int main(void)
 {
     CHECK(system_enter_folder());
     test_streams();
-    test_common_word();
+    test_literals();
     test_kinds();
     test_large();
     test_rivals();
