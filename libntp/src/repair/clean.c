@@ -222,9 +222,10 @@ static uint64_t clean_by_derivation(const job *j, ntp__block *block, int32_t n)
             changed += set_blue(block, i, want[i], j->m, low);
         return (uint64_t) changed;
     }
-    for (int32_t i = 0; i < n; i++)
-        changed += want[i] < 0 || block->c[3][i] == 0 ? clean_at(j, block, i)
-                                                      : set_blue(block, i, want[i], j->m, low);
+    for (int32_t i = 0; i < n; i++) {
+        const bool known = want[i] >= (block->c[3][i] == 0 ? PULLED : 0); /* and used */
+        changed += known ? set_blue(block, i, want[i], j->m, low) : clean_at(j, block, i);
+    }
     return (uint64_t) changed;
 }
 
