@@ -35,7 +35,7 @@ static void fill(uint8_t *p, int32_t n, int32_t channels, uint64_t *seed)
             p[random_bits(seed) % 3] = (uint8_t) random_level(seed, 255);
         if (channels == 4 && random_bits(seed) % 512 == 0)
             p[3] = 0;
-        for (int32_t c = 0, near = random_bits(seed) % 64 == 0; near && c < 2; c++)
+        for (int32_t c = 0, both = random_bits(seed) % 64 == 0; both && c < 2; c++)
             p[c] = (uint8_t) (random_bits(seed) % 2 * 225 + 14 + random_bits(seed) % 3);
     }
 }
