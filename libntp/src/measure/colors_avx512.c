@@ -22,6 +22,7 @@
 #include "texel/turn_avx512.h"
 #include "texel/turn_avx512_tmpl.h"
 
+#include <stddef.h>
 #include <string.h>
 
 enum {
@@ -223,6 +224,9 @@ static inline void sum_angles(colors *c, int32_t n)
 static inline void count_places(ntp__sums *sums, uint64_t blues[256], const colors *c, int32_t n)
 {
     ntp__fit_sums *const standard = &sums->fit[0], *const zz = &sums->fit[1];
+    /* the bins of one kind of harm, and of others behind it */
+    uint32_t *const harm =
+        (uint32_t *) (void *) sums + offsetof(ntp__sums, harm[0].bins) / sizeof(uint32_t);
     for (int32_t i = 0; i < n; i++) {
         const uint32_t keys = c->keys[i], places = c->places[i], count = c->count[i];
         _mm_prefetch((const char *) (sums->angles.bins + c->bins[i]), _MM_HINT_T0);
@@ -236,7 +240,7 @@ static inline void count_places(ntp__sums *sums, uint64_t blues[256], const colo
     for (int32_t i = 0; i < n; i++) {
         blues[c->blue[i]] += c->count[i];
         sums->angles.bins[c->bins[i]] += c->count[i];
-        sums->harm[0].bins[c->harm_bins[i]] += c->harm_count[i];
+        harm[c->harm_bins[i]] += c->harm_count[i];
     }
 }
 

@@ -427,7 +427,7 @@ INLINE uint32_t are_in_disc(__m256i texels)
 int32_t ntp__count_alpha8_avx2(ntp__alphas8 *alphas, const uint8_t *src, int32_t n, int32_t visible)
 {
     const __m256i alpha = _mm256_set1_epi32((int) 0xff000000);
-    const __m256i hidden = _mm256_set1_epi32(visible ? 0 : 1); /* the latter is none */
+    const __m256i hidden = _mm256_set1_epi32(visible ? 0 : 1); /* 1 is no alpha here */
     int32_t i = 0;
     for (; i + GROUP <= n; i += GROUP, src += 4 * GROUP) {
         const __m256i a = _mm256_loadu_si256((const __m256i *) (const void *) src);
@@ -448,6 +448,7 @@ int32_t ntp__count_alpha8_avx2(ntp__alphas8 *alphas, const uint8_t *src, int32_t
     end_lanes();
     return i;
 }
+
 /* The least of 16 words. */
 ONE_COPY static uint32_t least_word(const __m256i *v)
 {

@@ -170,7 +170,8 @@ static inline void add_far(far_sums *s, __m256i off, __m256i longer, __m256i bad
 }
 
 /* The same of the texels that are steeper; also sums them.  Puts those in doubt behind `left` others, and
- * returns how many these are then.  Lengths are below 2^14 here, so that the squares of 32 fit. */
+ * returns how many these are then.  Lengths are at most 2/sqrt(3), which is 10,139 above 65536: the squares
+ * of 32 fit. */
 static int32_t place_far(far_sums *sums, exact_texels *v, int32_t *others, int32_t left)
 {
     const __m256i zero = _mm256_setzero_si256(), one = eight(1);

@@ -221,7 +221,8 @@ typedef struct ntp__exact_block {
 } ntp__exact_block;
 
 /* Counts packed 16-bit texels that are exact and not odd (ntp__survey); whether any is odd, it does not
- * say.  It takes whole groups, NTP__EXACT_AT_ONCE texels or fewer, and returns how many: 0 of less than a group. */
+ * say.  It takes whole groups, NTP__EXACT_AT_ONCE texels or fewer, and returns how many.  There is a group:
+ * n >= NTP__EXACT_GROUP. */
 typedef int32_t ntp__count_exact_fn(ntp__exact_block *out, ntp__close_counts *counts,
                                     const uint16_t *src, int32_t n);
 
