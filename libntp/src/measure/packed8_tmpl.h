@@ -89,14 +89,20 @@ static inline uint32_t count_color(ntp_tally *t, const uint32_t *row_of, uint32_
     return 0;
 }
 
-/* Are many of the first `done` texels far from their derived blue, as in photographs?  Then these counts are
- * waited for, and the next texels are counted in another way.  Where few are, near cells are enough, and most
- * memory stays untouched. */
+/* Are many of some texels far from their derived blue, as in photographs?  Then these counts are waited for,
+ * and the next texels are counted in another way.  Where few are, near cells are enough, and most memory stays
+ * untouched. */
+static inline bool are_many(uint64_t far, int32_t of)
+{
+    enum { ONE_IN = 4 };
+    return far >= (uint64_t) of / ONE_IN;
+}
+
+/* Are many of the first `done` texels that were looked up, or of those before them? */
 static inline bool are_far(ntp_tally *t, uint64_t far_before, int32_t done)
 {
-    enum { ONE_IN = 4, LEAST = 4 * GROUP };
-    const uint64_t far = t->cells.far_texels - far_before;
-    t->cells.mostly_far |= done >= LEAST && far >= (uint64_t) done / ONE_IN;
+    enum { LEAST = 4 * GROUP };
+    t->cells.mostly_far |= done >= LEAST && are_many(t->cells.far_texels - far_before, done);
     return t->cells.mostly_far != 0;
 }
 
@@ -402,6 +408,18 @@ static void count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *part, 
         end_far(t, far);
 }
 
+/* About how many of the colors that a kernel left have no near cell: one in some is looked up. */
+static uint32_t far_colors(const ntp_tally *t, const ntp__close8_block *part)
+{
+    enum { EVERY = 4 };
+    uint32_t far = 0;
+    for (int32_t i = 0; i < part->colors; i += EVERY) {
+        const uint32_t first = t->cells.row[part->color[i] & 65535].first;
+        far += (part->color[i] >> 16) - first >= NTP__NEAR ? EVERY : 0;
+    }
+    return far;
+}
+
 /* Texels of a row; the colors of those that are unused for alpha 0 are not among the cells. */
 static void count_packed8(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n,
                           int32_t channels)
@@ -413,8 +431,15 @@ static void count_packed8(ntp_tally *t, packed_counts *c, const uint8_t *p, int3
     t->narrow += (uint64_t) n;
     while (n > 0) {
         const int32_t done = count_close(t, c, &next, p, n, channels, ahead);
-        t->cells.mostly_far &= done == 0;
+        const uint64_t grays = t->cells.far_texels;
         count_left(t, &far, &c->part, p, channels);
+        if (done > 0)
+            t->cells.mostly_far = 0;
+        if (done > 0 && t->last_not_close > 0) { /* what follows is likely to be like these */
+            begin_look_ups(t);
+            t->cells.mostly_far =
+                are_many(t->cells.far_texels - grays + far_colors(t, &c->part), done);
+        }
         p += channels * done;
         if (next > 0)
             look_up_packed(t, c, p, next, channels, ahead);

@@ -110,14 +110,18 @@ static void add_pairs(ntp_tally *t, const int32_t *const c[3], int32_t n)
 static void add_padding(ntp__samples *s, const uint32_t *linear, const int32_t *const c[3],
                         int32_t n)
 {
-    int32_t any = 0;
+    int32_t padding[3][NTP__BLOCK], any = 0, count = 0;
+    const int32_t *const planes[3] = { padding[0], padding[1], padding[2] };
     for (int32_t i = 0; i < n; i++)
         any |= ntp__is_padding(c[0][i], c[1][i], 255);
-    for (int32_t i = 0; any && i < n; i++) {
-        const int32_t *const one[3] = { c[0] + i, c[1] + i, c[2] + i };
-        if (ntp__is_padding(*one[0], *one[1], 255))
-            add_planes(s, linear, one, 1);
+    if (!any)
+        return;
+    for (int32_t i = 0; i < n; i++) {
+        for (int32_t k = 0; k < 3; k++)
+            padding[k][count] = c[k][i]; /* over one that is none */
+        count += ntp__is_padding(c[0][i], c[1][i], 255) ? 1 : 0;
     }
+    add_planes(s, linear, planes, count);
 }
 
 static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n, int32_t m)
