@@ -4,11 +4,13 @@
  *
  * Runs of any length begin or end at a guard page.  They are added up here texel by texel; lengths after gamma
  * by the inequality of the documentation, over tables of random squares.  Where a texel stops a kernel, all whole
- * groups before it are done.
+ * groups before it are done.  Padding is added up besides, whichever way a tally takes.
  */
 #include "guarded.h"
+#include "measure/tally.h"
 #include "texel/kernels.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 enum { STEP = NTP__KERNEL_STEP, SKIPPED = 77, WIDEST = 150, TIMES = 40, LONG_RUN = 65536 };
@@ -108,6 +110,40 @@ static void check_bright(const ntp__kernels_table *level)
     CHECK(memcmp(steps, wanted, sizeof steps) == 0);
 }
 
+/* Padding is summed besides: red and green both near an end, but neither black nor white. */
+static void check_padding(uint64_t *seed)
+{
+    enum { WIDE = 700, HIGH = 3, TEXELS = WIDE * HIGH };
+    static uint8_t texels[3 * (TEXELS + 1)]; /* the first one is before the others */
+    uint8_t *const rgb = texels + 3;
+    ntp_tally *const tally = calloc(1, ntp_tally_size());
+    ntp__samples want = { 0 };
+    uint64_t steps[3][2] = { { 0 } };
+    CHECK(tally != NULL);
+    for (int32_t i = 0; i < 3 * TEXELS; i++)
+        rgb[i] = (uint8_t) random_level(seed, 255);
+    for (int32_t i = 0; i < TEXELS; i++) {
+        const uint8_t end = random_bits(seed) % 2 ? 255 : 0;
+        if (random_bits(seed) % 3 != 0)
+            rgb[3 * i] = rgb[3 * i + 1] = end ^ (uint8_t) (random_bits(seed) % 17);
+        if (random_bits(seed) % 16 == 0)
+            memset(rgb + 3 * i, end, 3);
+    }
+    const ntp_image image = ntp_image_packed(rgb, WIDE, HIGH, 3, NTP_TYPE_U8);
+    const ntp_const_image view = ntp_image_as_const(&image);
+    CHECK(ntp_tally_add(tally, &view, 0, NULL) == NTP_OK);
+    memcpy(squares, tally->linear_square, sizeof squares);
+    for (int32_t i = 0; i < TEXELS; i++) {
+        const uint8_t *const p = rgb + 3 * i;
+        const bool unused = p[0] == p[1] && p[1] == p[2] && (p[0] == 0 || p[0] == 255);
+        if (is_near_end(p[0]) && is_near_end(p[1]) && !unused)
+            add(&want, steps, p, 3, i);
+    }
+    CHECK(want.n > 100);
+    CHECK(memcmp(&tally->padding_samples, &want, sizeof want) == 0);
+    free(tally);
+}
+
 static void check_alphas(const ntp__kernels_table *level, int32_t n, uint64_t *seed)
 {
     guarded src = guarded_alloc((size_t) n * 4, random_bits(seed) & 1);
@@ -169,5 +205,6 @@ int main(void)
     }
     check_bright(level);
     check_disc(level);
+    check_padding(&seed);
     return 0;
 }
