@@ -7,10 +7,17 @@
  */
 
 /* Steps that are looked at before their roots are taken: of one chain of all that, few would be in
- * flight. */
-enum { STEPS = 16 };
+ * flight.  There is a bit for each. */
+enum { STEPS = 32 };
 
-enum { AHEAD = 4096 /* bytes, as processors themselves fetch no more than the page */ };
+enum { AHEAD = 8192 /* bytes, as processors themselves fetch no more than the page */ };
+
+/* One copy with its own registers: the loop before it needs all of them. */
+#if defined(__GNUC__)
+#  define APART __attribute__((noinline))
+#else
+#  define APART
+#endif
 
 static inline void store_whole(uint8_t *d, __m256i v)
 {
@@ -161,8 +168,10 @@ static inline bool narrow_step(uint8_t *d, const uint8_t *s)
     const byte_words to = words_of(_mm256_packus_epi16(p, q), _mm256_packus_epi16(q, r));
     _mm_prefetch((const char *) s + AHEAD, _MM_HINT_T0);
     _mm_prefetch((const char *) s + AHEAD + 64, _MM_HINT_T0);
-    store_two(d, d + 24, to.low);
-    store_two(d + 8, d + 32, to.high);
+    const __m128i last = _mm256_extracti128_si256(to.low, 1);
+    store(d, _mm256_castsi256_si128(to.low));
+    store(d + 16, _mm_alignr_epi8(last, _mm256_castsi256_si128(to.high), 8));
+    store(d + 32, _mm256_extracti128_si256(to.high, 1));
     return _mm256_movemask_epi8(exact_words(to.d, to.t)) == -1;
 }
 
@@ -243,21 +252,31 @@ static int32_t widen(uint8_t *d, const uint8_t *s, int32_t n)
     return all * STEP;
 }
 
+/* Renews those of the steps that have a bit.  Returns the first one that has to be pulled, or STEPS. */
+APART static int32_t renew_steps(uint8_t *d, const uint8_t *s, uint32_t left)
+{
+    for (; left != 0; left &= left - 1) {
+        const int32_t k = __builtin_ctz(left);
+        if (!renew_step(d + (ptrdiff_t) 3 * STEP * k, s + (ptrdiff_t) 6 * STEP * k))
+            return k;
+    }
+    return STEPS;
+}
+
 static int32_t narrow(uint8_t *d, const uint8_t *s, int32_t n)
 {
-    int32_t left[STEPS];
     const int32_t all = n / STEP;
-    for (int32_t i = 0; i < all;) {
-        const int32_t end = all - i < STEPS ? all : i + STEPS;
-        int32_t count = 0;
-        for (; i < end; i++) {
-            left[count] = i;
-            count += !narrow_step(d + (ptrdiff_t) 3 * STEP * i, s + (ptrdiff_t) 6 * STEP * i);
-        }
-        for (int32_t k = 0; k < count; k++) {
-            if (!renew_step(d + (ptrdiff_t) 3 * STEP * left[k], s + (ptrdiff_t) 6 * STEP * left[k]))
-                return STEP * left[k];
-        }
+    for (int32_t i = 0; i < all;
+         i += STEPS, d += (ptrdiff_t) 3 * STEP * STEPS, s += (ptrdiff_t) 6 * STEP * STEPS) {
+        const int32_t count = all - i < STEPS ? all - i : STEPS;
+        uint32_t left = 0; /* not a list in memory, whose stores hold up loads */
+        for (int32_t k = 0; k < count; k++)
+            left |=
+                (uint32_t) !narrow_step(d + (ptrdiff_t) 3 * STEP * k, s + (ptrdiff_t) 6 * STEP * k)
+                << k;
+        const int32_t end = left != 0 ? renew_steps(d, s, left) : STEPS;
+        if (end < STEPS)
+            return STEP * (i + end);
     }
     return STEP * all;
 }
