@@ -141,11 +141,13 @@ static inline __m256i blues_in(const __m256i v[3])
         SHUFFLE(v[2], N, N, N, N, N, N, N, N, N, N, 0, 3, 6, 9, 12, 15));
 }
 
-/* All of 32 pixels have the derived blue if 0 <= e - t^2 <= 2t of the t that is in it.  Modulo 2^16 this
- * is more than 2t for every t >= 128, as e < 2^14 and (t + 1)^2 <= 2^16. */
+/* All of 32 pixels have the derived blue if 0 <= e - t^2 <= 2t of the t that is in it.  -2^14 < e < 2^14 - 2^7,
+ * so modulo 2^16 this is more than 2t where e is negative, and where t is 128, as it is of all blues below
+ * 128. */
 static inline bool are_derived(const __m256i v[3], __m256i e, __m256i f)
 {
-    const __m256i both = _mm256_xor_si256(blues_in(v), _mm256_set1_epi8(-128));
+    const __m256i high = _mm256_set1_epi8(-128);
+    const __m256i both = _mm256_min_epu8(_mm256_xor_si256(blues_in(v), high), high);
     const __m256i t = _mm256_unpacklo_epi8(both, _mm256_setzero_si256());
     const __m256i u = _mm256_unpackhi_epi8(both, _mm256_setzero_si256());
     const __m256i d = _mm256_sub_epi16(e, _mm256_mullo_epi16(t, t));
@@ -207,8 +209,6 @@ static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *
 {
     __m256i v[3], e, f;
     load_pairs(v, &e, &f, src);
-    if (!_mm256_testz_si256(_mm256_or_si256(e, f), _mm256_set1_epi16(-32768)))
-        return false;
     if (*same && are_derived(v, e, f)) { /* whole vectors are half as many stores */
         UNROLLED
         for (int i = 0; i < 3; i++)
@@ -217,6 +217,8 @@ static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *
                 _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * i)));
         return true;
     }
+    if (!_mm256_testz_si256(_mm256_or_si256(e, f), _mm256_set1_epi16(-32768)))
+        return false;
     const __m256i other = store_blues(dst, v, blues_of(e, f));
     *same = _mm256_testz_si256(other, other);
     *others = _mm256_add_epi64(*others, _mm256_sad_epu8(other, _mm256_setzero_si256()));
@@ -242,6 +244,15 @@ static int32_t derive_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t
     return i;
 }
 
+/* Are all of 32 pixels black, or all white, and unused for that? */
+static inline bool are_unused(const __m256i v[3], uint32_t touch_unused)
+{
+    const __m256i any = _mm256_or_si256(_mm256_or_si256(v[0], v[1]), v[2]);
+    const __m256i all = _mm256_and_si256(_mm256_and_si256(v[0], v[1]), v[2]);
+    return (_mm256_testz_si256(any, any) && !(touch_unused & NTP_UNUSED_BLACK)) ||
+           (_mm256_testc_si256(all, _mm256_set1_epi8(-1)) && !(touch_unused & NTP_UNUSED_WHITE));
+}
+
 /* Puts derived blues into whole steps, in which pairs that are too long are not seldom: these pixels are done
  * by the table after all others. */
 static inline void derive_others(uint8_t *dst, const uint8_t *src, int32_t n, const uint32_t *table,
@@ -252,6 +263,10 @@ static inline void derive_others(uint8_t *dst, const uint8_t *src, int32_t n, co
     for (int32_t i = 0; i < n; i += DERIVED) {
         __m256i v[3], e, f;
         load_pairs(v, &e, &f, src + 3 * i);
+        if (are_unused(v, touch_unused)) { /* a background */
+            store_three(dst + 3 * i, v);
+            continue;
+        }
         const __m256i longs =
             _mm256_packs_epi16(_mm256_srai_epi16(e, 15), _mm256_srai_epi16(f, 15));
         const __m256i blues = _mm256_blendv_epi8(blues_of(e, f), blues_in(v), longs);
@@ -265,10 +280,10 @@ static inline void derive_others(uint8_t *dst, const uint8_t *src, int32_t n, co
     for (int32_t k = 0; k < found; k++) {
         uint8_t *const p = dst + 3 * at[k];
         const uint32_t v = load24le(p);
-        uint32_t t = table[v & 0xffff];
-        if (t >> 24)
-            t = clean_one(v, table, 0, touch_unused);
-        sum += t != v;
+        const uint32_t t = clean_one(v, table, 0, touch_unused);
+        if (t == v)
+            continue;
+        sum++;
         memcpy(p, &t, 2);
         p[2] = (uint8_t) (t >> 16);
     }
