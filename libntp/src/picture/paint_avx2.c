@@ -43,17 +43,62 @@ static inline uint32_t signs(__m256i v)
 
 /* ------------------------------------------------------------------------ lit previews */
 
-/* Levels less M/2: half of the numerators, exactly. */
-static inline __m256 centered(__m256i level, float m)
+/* What light is made of, eight times each: numbers in registers would be repeated in each step, as there
+ * are too many for the registers of vectors. */
+enum {
+    TOWARDS = 0,
+    HALFWAY = 3,
+    AMBIENT = 6,
+    DIFFUSE,
+    SPECULAR,
+    OFF,
+    OFF_BY_GLINT,
+    MIDDLE, /* M/2 */
+    CORNER, /* only corners of the cube are as long as black and white */
+    NUMBERS
+};
+
+typedef struct lamp {
+    _Alignas(32) float by[NUMBERS][STEP];
+} lamp;
+
+static inline void make_lamp(lamp *to, const ntp__lamp *l, float own)
 {
-    return _mm256_sub_ps(_mm256_cvtepi32_ps(level), _mm256_set1_ps(m / 2));
+    const float each[NUMBERS] = {
+        l->towards[0],
+        l->towards[1] * l->up,
+        l->towards[2],
+        l->half[0],
+        l->half[1] * l->up,
+        l->half[2],
+        own * l->ambient,
+        own * l->diffuse,
+        l->specular,
+        l->off,
+        l->off_by_glint,
+        l->m / 2,
+        0.75F * (1 - 0x1p-18F) * l->m * l->m,
+    };
+    for (int32_t k = 0; k < NUMBERS; k++)
+        _mm256_store_ps(to->by[k], _mm256_broadcast_ss(&each[k]));
 }
 
-static inline __m256 dot(const __m256 v[3], const float w[3], float up)
+static inline __m256 number(const lamp *l, int32_t k)
 {
-    return _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(v[0], _mm256_set1_ps(w[0])),
-                                       _mm256_mul_ps(v[1], _mm256_set1_ps(w[1] * up))),
-                         _mm256_mul_ps(v[2], _mm256_set1_ps(w[2])));
+    return _mm256_load_ps(l->by[k]);
+}
+
+/* Levels less M/2: half of the numerators, exactly. */
+static inline __m256 centered(__m256i level, const lamp *l)
+{
+    return _mm256_sub_ps(_mm256_cvtepi32_ps(level), number(l, MIDDLE));
+}
+
+static inline __m256 dot(const __m256 v[3], const lamp *l, int32_t of)
+{
+    return _mm256_add_ps(
+        _mm256_add_ps(_mm256_mul_ps(v[0], number(l, of)), _mm256_mul_ps(v[1], number(l, of + 1))),
+        _mm256_mul_ps(v[2], number(l, of + 2)));
 }
 
 static inline void put_gray(uint8_t *d, __m256i level)
@@ -74,34 +119,28 @@ typedef struct lit {
 } lit;
 
 /* As `light` of picture_kernels.c. */
-static inline void light(lit *to, int32_t i, texels t, const ntp__lamp *l, float own)
+static inline void light(lit *to, int32_t i, texels t, const lamp *l)
 {
-    const __m256 v[3] = { centered(_mm256_and_si256(t.rg, _mm256_set1_epi32(65535)), l->m),
-                          centered(_mm256_srli_epi32(t.rg, 16), l->m), centered(t.b, l->m) };
+    const __m256 v[3] = { centered(_mm256_and_si256(t.rg, _mm256_set1_epi32(65535)), l),
+                          centered(_mm256_srli_epi32(t.rg, 16), l), centered(t.b, l) };
     const __m256 zero = _mm256_setzero_ps();
     const __m256 square =
         _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(v[0], v[0]), _mm256_mul_ps(v[1], v[1])),
                       _mm256_mul_ps(v[2], v[2]));
     const __m256 over = _mm256_div_ps(_mm256_set1_ps(1), _mm256_sqrt_ps(square));
-    const __m256 lambert = _mm256_mul_ps(dot(v, l->towards, l->up), over);
+    const __m256 lambert = _mm256_mul_ps(dot(v, l, TOWARDS), over);
     /* Less than 1/8 is as good as 0, and the power of less may be a slow number. */
-    __m256 glint =
-        _mm256_max_ps(_mm256_mul_ps(dot(v, l->half, l->up), over), _mm256_set1_ps(0.125F));
+    __m256 glint = _mm256_max_ps(_mm256_mul_ps(dot(v, l, HALFWAY), over), _mm256_set1_ps(0.125F));
     for (int32_t k = 0; k < NTP__SQUARINGS; k++)
         glint = _mm256_mul_ps(glint, glint);
     glint = _mm256_and_ps(glint, _mm256_cmp_ps(lambert, zero, _CMP_GT_OQ));
-    const __m256 diffuse =
-        _mm256_mul_ps(_mm256_max_ps(lambert, zero), _mm256_set1_ps(own * l->diffuse));
-    const __m256 off = _mm256_add_ps(_mm256_set1_ps(l->off),
-                                     _mm256_mul_ps(glint, _mm256_set1_ps(l->off_by_glint)));
+    const __m256 diffuse = _mm256_mul_ps(_mm256_max_ps(lambert, zero), number(l, DIFFUSE));
+    const __m256 off = _mm256_add_ps(number(l, OFF), _mm256_mul_ps(glint, number(l, OFF_BY_GLINT)));
     const __m256 edge = _mm256_cmp_ps(_mm256_andnot_ps(_mm256_set1_ps(-0.0F), lambert),
                                       _mm256_set1_ps(NTP__EDGE_OF_LIGHT), _CMP_LT_OQ);
-    /* Only corners of the cube are as long as black and white. */
-    const __m256 corner =
-        _mm256_cmp_ps(square, _mm256_set1_ps(0.75F * (1 - 0x1p-18F) * l->m * l->m), _CMP_GE_OQ);
-    _mm256_store_ps(to->light + i,
-                    _mm256_add_ps(_mm256_add_ps(_mm256_set1_ps(own * l->ambient), diffuse),
-                                  _mm256_mul_ps(glint, _mm256_set1_ps(l->specular))));
+    const __m256 corner = _mm256_cmp_ps(square, number(l, CORNER), _CMP_GE_OQ);
+    _mm256_store_ps(to->light + i, _mm256_add_ps(_mm256_add_ps(number(l, AMBIENT), diffuse),
+                                                 _mm256_mul_ps(glint, number(l, SPECULAR))));
     _mm256_store_ps(to->off + i, _mm256_or_ps(off, _mm256_or_ps(edge, corner)));
 }
 
@@ -253,18 +292,19 @@ static inline int32_t finish(uint8_t *odd, uint32_t bits, uint8_t *dst, const en
 }
 
 int32_t ntp__shade_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,
-                            bool deep, const ntp__lamp *lamp, float own)
+                            bool deep, const ntp__lamp *of, float own)
 {
     const uint8_t *const from = src;
-    const ntp__lamp l = *lamp;
     const int32_t bytes = deep ? 6 : 3;
     int32_t found = 0;
     lit lights;
+    lamp l;
     ends e;
+    make_lamp(&l, of, own);
     /* In two loops, as the roots of one are long waited for. */
     for (int32_t i = 0; i < n; i += STEP) {
         const uint8_t *const s = source(&e, from + bytes * i, n - i, bytes);
-        light(&lights, i, deep ? take16(s) : take_8(s), &l, own);
+        light(&lights, i, deep ? take16(s) : take_8(s), &l);
     }
     for (int32_t i = 0; i < n; i += STEP) {
         uint8_t *const d = dst + 3 * i;
