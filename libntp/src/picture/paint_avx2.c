@@ -118,30 +118,37 @@ typedef struct lit {
     _Alignas(32) float light[NTP__BLOCK], off[NTP__BLOCK];
 } lit;
 
-/* As `light` of picture_kernels.c. */
-static inline void light(lit *to, int32_t i, texels t, const lamp *l)
+/* As `light` of picture_kernels.c, in two steps, as many of a long one would have to wait for roots at once.
+ * First the cosines of light and of glints, in their place; the former is no number where a texel may be
+ * black or white. */
+static inline void turn_to_light(lit *to, int32_t i, texels t, const lamp *l)
 {
     const __m256 v[3] = { centered(_mm256_and_si256(t.rg, _mm256_set1_epi32(65535)), l),
                           centered(_mm256_srli_epi32(t.rg, 16), l), centered(t.b, l) };
-    const __m256 zero = _mm256_setzero_ps();
     const __m256 square =
         _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(v[0], v[0]), _mm256_mul_ps(v[1], v[1])),
                       _mm256_mul_ps(v[2], v[2]));
     const __m256 over = _mm256_div_ps(_mm256_set1_ps(1), _mm256_sqrt_ps(square));
-    const __m256 lambert = _mm256_mul_ps(dot(v, l, TOWARDS), over);
+    const __m256 corner = _mm256_cmp_ps(square, number(l, CORNER), _CMP_GE_OQ);
+    _mm256_store_ps(to->light + i, _mm256_or_ps(_mm256_mul_ps(dot(v, l, TOWARDS), over), corner));
+    _mm256_store_ps(to->off + i, _mm256_mul_ps(dot(v, l, HALFWAY), over));
+}
+
+static inline void light(lit *to, int32_t i, const lamp *l)
+{
+    const __m256 lambert = _mm256_load_ps(to->light + i), zero = _mm256_setzero_ps();
     /* Less than 1/8 is as good as 0, and the power of less may be a slow number. */
-    __m256 glint = _mm256_max_ps(_mm256_mul_ps(dot(v, l, HALFWAY), over), _mm256_set1_ps(0.125F));
+    __m256 glint = _mm256_max_ps(_mm256_load_ps(to->off + i), _mm256_set1_ps(0.125F));
     for (int32_t k = 0; k < NTP__SQUARINGS; k++)
         glint = _mm256_mul_ps(glint, glint);
     glint = _mm256_and_ps(glint, _mm256_cmp_ps(lambert, zero, _CMP_GT_OQ));
     const __m256 diffuse = _mm256_mul_ps(_mm256_max_ps(lambert, zero), number(l, DIFFUSE));
     const __m256 off = _mm256_add_ps(number(l, OFF), _mm256_mul_ps(glint, number(l, OFF_BY_GLINT)));
     const __m256 edge = _mm256_cmp_ps(_mm256_andnot_ps(_mm256_set1_ps(-0.0F), lambert),
-                                      _mm256_set1_ps(NTP__EDGE_OF_LIGHT), _CMP_LT_OQ);
-    const __m256 corner = _mm256_cmp_ps(square, number(l, CORNER), _CMP_GE_OQ);
+                                      _mm256_set1_ps(NTP__EDGE_OF_LIGHT), _CMP_NGE_UQ);
     _mm256_store_ps(to->light + i, _mm256_add_ps(_mm256_add_ps(number(l, AMBIENT), diffuse),
                                                  _mm256_mul_ps(glint, number(l, SPECULAR))));
-    _mm256_store_ps(to->off + i, _mm256_or_ps(off, _mm256_or_ps(edge, corner)));
+    _mm256_store_ps(to->off + i, _mm256_or_ps(off, edge));
 }
 
 /* As `show` of picture_kernels.c; returns bits of those in doubt. */
@@ -301,11 +308,13 @@ int32_t ntp__shade_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const voi
     lamp l;
     ends e;
     make_lamp(&l, of, own);
-    /* In two loops, as the roots of one are long waited for. */
+    /* In three loops, as the roots of one are long waited for. */
     for (int32_t i = 0; i < n; i += STEP) {
         const uint8_t *const s = source(&e, from + bytes * i, n - i, bytes);
-        light(&lights, i, deep ? take16(s) : take_8(s), &l);
+        turn_to_light(&lights, i, deep ? take16(s) : take_8(s), &l);
     }
+    for (int32_t i = 0; i < n; i += STEP)
+        light(&lights, i, &l);
     for (int32_t i = 0; i < n; i += STEP) {
         uint8_t *const d = dst + 3 * i;
         const uint32_t bits = show(n - i < STEP ? e.shown : d, &lights, i);
