@@ -76,23 +76,24 @@ INLINE int mask_of(__m256i v)
     return _mm256_movemask_ps(_mm256_castsi256_ps(v));
 }
 
+/* Of four numbers of 64 bits. */
+INLINE uint64_t sum_of_wide(__m256i v)
+{
+    const __m128i two = _mm_add_epi64(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    return (uint64_t) _mm_cvtsi128_si64(_mm_add_epi64(two, _mm_unpackhi_epi64(two, two)));
+}
+
 ONE_COPY static uint64_t sum_of(__m256i v)
 {
-    uint32_t part[8];
-    uint64_t sum = 0;
-    store_eight(part, v);
-    for (int i = 0; i < 8; i++)
-        sum += part[i];
-    return sum;
+    return sum_of_wide(_mm256_add_epi64(_mm256_srli_epi64(v, 32),
+                                        _mm256_and_si256(v, _mm256_set1_epi64x(UINT32_MAX))));
 }
 
 ONE_COPY static uint32_t greatest_of(__m256i v)
 {
-    uint32_t part[8], most = 0;
-    store_eight(part, v);
-    for (int i = 0; i < 8; i++)
-        most = part[i] > most ? part[i] : most;
-    return most;
+    const __m128i four = _mm_max_epu32(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
+    const __m128i two = _mm_max_epu32(four, _mm_shuffle_epi32(four, _MM_SHUFFLE(1, 0, 3, 2)));
+    return (uint32_t) _mm_cvtsi128_si32(_mm_max_epu32(two, _mm_srli_epi64(two, 32)));
 }
 
 /* Which bytes of four numbers go to the front, for each mask of four. */
@@ -204,16 +205,9 @@ INLINE __m256i add_squares(__m256i sums, __m256i v)
                             _mm256_add_epi64(_mm256_mul_epu32(v, v), _mm256_mul_epu32(odd, odd)));
 }
 
-static uint64_t squares_of(__m256i v)
-{
-    uint64_t part[4];
-    store_eight(part, v);
-    return part[0] + part[1] + part[2] + part[3];
-}
-
 static void end_lengths(ntp__fit_sums *fit, const far_lengths *s)
 {
-    const uint64_t squares = squares_of(s->squares), of_padding = squares_of(s->of_padding);
+    const uint64_t squares = sum_of_wide(s->squares), of_padding = sum_of_wide(s->of_padding);
     fit->length_sum += sum_of(s->sum);
     fit->length_error2[0] += squares - of_padding;
     fit->length_error2[1] += of_padding;
@@ -413,9 +407,9 @@ INLINE __m256i divided(__m256i v, uint32_t by, int shift)
  * eight lanes. */
 static void sum_angles(ntp__sums *sums, far_texels *f)
 {
-    angles_of_kind all, kind[NTP__HARM_KINDS];
-    memset(&all, 0, sizeof all);
-    memset(kind, 0, sizeof kind);
+    const __m256i zero = _mm256_setzero_si256();
+    const angles_of_kind none = { zero, zero, zero };
+    angles_of_kind all = none, kind[NTP__HARM_KINDS] = { none, none, none };
     for (int32_t i = 0; i < f->n; i += 8) {
         const __m256i first = load_eight(f->turn + i), its = load_eight(f->harm + i);
         const __m256i angle = load_eight(f->angle + i);

@@ -124,8 +124,10 @@ static inline void quotients_of(double *u, double *base, const double *s2, const
                                 int32_t n)
 {
     const __m256d sign = _mm256_set1_pd(-0.0);
+    for (int32_t i = 0; i < n; i += 4)
+        _mm256_storeu_pd(u + i, _mm256_sqrt_pd(_mm256_loadu_pd(s2 + i)));
     for (int32_t i = 0; i < n; i += 4) {
-        const __m256d s = _mm256_sqrt_pd(_mm256_loadu_pd(s2 + i)), d4 = _mm256_loadu_pd(d + i);
+        const __m256d s = _mm256_loadu_pd(u + i), d4 = _mm256_loadu_pd(d + i);
         const __m256d a = _mm256_andnot_pd(sign, d4);
         const __m256d low = _mm256_min_pd(s, a), high = _mm256_max_pd(s, a);
         const __m256d limit = _mm256_mul_pd(high, _mm256_set1_pd(TAN_22_));
