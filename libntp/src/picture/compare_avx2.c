@@ -122,19 +122,20 @@ typedef struct added {
     __m256i sum, most;
 } added;
 
-/* Adds eight angles from i on; false: one is not sure. */
-static inline bool add_eight(int32_t *bins, added *to, const pairs *p, int32_t i)
+/* u of four pairs from i on. */
+static inline __m256d tangents_of(const pairs *p, int32_t i)
 {
-    const eight s2 = load_eight(p->s2 + i), d = load_eight(p->d + i);
-    __m256i v[2];
-#pragma GCC unroll 2
-    for (int k = 0; k < 2; k++) {
-        const __m256d u0 = _mm256_cvtps_pd(_mm_loadu_ps(p->u0 + i + STEP / 2 * k));
-        const __m256d g = _mm256_cvtps_pd(_mm_loadu_ps(p->g + i + STEP / 2 * k));
-        const __m256d s = _mm256_mul_pd(u0, d.half[k]);
-        const __m256d rest = _mm256_sub_pd(s2.half[k], _mm256_mul_pd(s, s));
-        v[k] = angle_of(_mm256_add_pd(u0, _mm256_mul_pd(rest, g)));
-    }
+    const __m256d u0 = _mm256_cvtps_pd(_mm_loadu_ps(p->u0 + i));
+    const __m256d g = _mm256_cvtps_pd(_mm_loadu_ps(p->g + i));
+    const __m256d s = _mm256_mul_pd(u0, _mm256_loadu_pd(p->d + i));
+    const __m256d rest = _mm256_sub_pd(_mm256_loadu_pd(p->s2 + i), _mm256_mul_pd(s, s));
+    return _mm256_add_pd(u0, _mm256_mul_pd(rest, g));
+}
+
+/* Adds eight angles of these tangents; false: one is not sure. */
+static inline bool add_eight(int32_t *bins, added *to, const double *u)
+{
+    const __m256i v[2] = { angle_of(_mm256_loadu_pd(u)), angle_of(_mm256_loadu_pd(u + STEP / 2)) };
     const __m256i angle = _mm256_blend_epi32(_mm256_srli_epi64(v[0], PART_BITS),
                                              _mm256_slli_epi64(v[1], 32 - PART_BITS), 0xaa);
     const __m256i low = _mm256_blend_epi32(v[0], _mm256_slli_epi64(v[1], 32), 0xaa);
@@ -170,9 +171,15 @@ static void find_angles(ntp__compared *out, pairs *p)
 {
     added to = { _mm256_setzero_si256(), _mm256_setzero_si256() };
     int32_t found = 0, left = out->left;
+    double u[NTP__BLOCK];
 
+    /* In two loops, for of one long chain few steps would be in flight. */
     for (int32_t i = 0; i < p->smalls; i++) {
-        if (add_eight(p->bin + found, &to, p, p->small[i]))
+        for (int32_t k = 0; k < STEP; k += STEP / 2)
+            _mm256_storeu_pd(u + STEP * i + k, tangents_of(p, p->small[i] + k));
+    }
+    for (int32_t i = 0; i < p->smalls; i++) {
+        if (add_eight(p->bin + found, &to, u + STEP * i))
             found += STEP;
         else
             p->large[p->larges++] = p->small[i];
