@@ -106,15 +106,16 @@ static void find_first(pairs *p)
     p->larges = larges;
 }
 
-/* atan(u) + ROUND_BIN + 1/2 in units of 2^-PART_BITS micro-degrees, with other bits above those of 180 degrees. */
-static inline __m256i angle_of(__m256d u)
+/* atan(u) + ROUND_BIN + 1/2: the bits of the double are that in units of 2^-PART_BITS micro-degrees, with others
+ * above those of 180 degrees. */
+static inline __m256d angle_of(__m256d u)
 {
     const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
     const __m256d p = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C1), w), _mm256_set1_pd(C0));
     const __m256d q = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C3), w), _mm256_set1_pd(C2));
     const __m256d r = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C4), w2), q);
     const __m256d t = _mm256_mul_pd(_mm256_add_pd(_mm256_mul_pd(r, w2), p), u);
-    return _mm256_castpd_si256(_mm256_add_pd(t, _mm256_set1_pd(0x1.8p39 + ROUND_BIN + 0.5)));
+    return _mm256_add_pd(t, _mm256_set1_pd(0x1.8p39 + ROUND_BIN + 0.5));
 }
 
 /* Micro-degrees + ROUND_BIN */
@@ -132,10 +133,10 @@ static inline __m256d tangents_of(const pairs *p, int32_t i)
     return _mm256_add_pd(u0, _mm256_mul_pd(rest, g));
 }
 
-/* Adds eight angles of these tangents; false: one is not sure. */
-static inline bool add_eight(int32_t *bins, added *to, const double *u)
+/* Adds eight angles; false: one is not sure. */
+static inline bool add_eight(int32_t *bins, added *to, const __m256d angles[2])
 {
-    const __m256i v[2] = { angle_of(_mm256_loadu_pd(u)), angle_of(_mm256_loadu_pd(u + STEP / 2)) };
+    const __m256i v[2] = { _mm256_castpd_si256(angles[0]), _mm256_castpd_si256(angles[1]) };
     const __m256i angle = _mm256_blend_epi32(_mm256_srli_epi64(v[0], PART_BITS),
                                              _mm256_slli_epi64(v[1], 32 - PART_BITS), 0xaa);
     const __m256i low = _mm256_blend_epi32(v[0], _mm256_slli_epi64(v[1], 32), 0xaa);
@@ -171,15 +172,17 @@ static void find_angles(ntp__compared *out, pairs *p)
 {
     added to = { _mm256_setzero_si256(), _mm256_setzero_si256() };
     int32_t found = 0, left = out->left;
-    double u[NTP__BLOCK];
+    __m256d four[NTP__BLOCK / 4];
 
-    /* In two loops, for of one long chain few steps would be in flight. */
+    /* In three loops, for of one long chain few steps would be in flight. */
     for (int32_t i = 0; i < p->smalls; i++) {
-        for (int32_t k = 0; k < STEP; k += STEP / 2)
-            _mm256_storeu_pd(u + STEP * i + k, tangents_of(p, p->small[i] + k));
+        four[2 * i] = tangents_of(p, p->small[i]);
+        four[2 * i + 1] = tangents_of(p, p->small[i] + STEP / 2);
     }
+    for (int32_t i = 0; i < 2 * p->smalls; i++)
+        four[i] = angle_of(four[i]);
     for (int32_t i = 0; i < p->smalls; i++) {
-        if (add_eight(p->bin + found, &to, u + STEP * i))
+        if (add_eight(p->bin + found, &to, four + 2 * i))
             found += STEP;
         else
             p->large[p->larges++] = p->small[i];
