@@ -17,7 +17,6 @@
 #include <string.h>
 
 enum { WIDEST = 300, LONGEST = 3000 /* of packed pixels */, TABLE = 65536, SKIPPED = 77 };
-
 static const ntp__kernels_table *base;
 
 /* Derived blue by search: no square root at all. */
@@ -30,10 +29,9 @@ static int32_t derived_by_search(int32_t r, int32_t g, int32_t m, bool zzero)
     while (low < high) {
         int64_t middle = low + (high - low + 1) / 2;
         int64_t edge = zzero ? 2 * middle - 1 : 2 * middle - m - 1;
-        if (edge * edge <= (zzero ? 4 * s : s))
-            low = (int32_t) middle;
-        else
-            high = (int32_t) middle - 1;
+        const bool fits = edge * edge <= (zzero ? 4 * s : s);
+        low = fits ? (int32_t) middle : low;
+        high = fits ? high : (int32_t) middle - 1;
     }
     return low;
 }
@@ -109,6 +107,9 @@ static void compare_packed(const ntp__kernels_table *level, size_t n, size_t cha
             s[i] = inside ? (uint8_t) (48 + any * 5 / 8) : any;
             s[i] = inside && i % channels == 3 && random_bits(seed) % 64 == 0 ? 0 : s[i];
         }
+        for (size_t i = random_bits(seed) % 2 * n; i < n; i += 1 + random_bits(seed) % 300)
+            memset(s + channels * i, random_bits(seed) & 1 ? 255 : 0, /* backgrounds */
+                   channels * (n - i < 150 ? n - i : random_bits(seed) % 150));
         /* Half of these have blues that are right, but few that are one off. */
         const bool right = inside && random_bits(seed) & 1;
         for (size_t i = 0; right && i < bytes; i += channels) {
@@ -468,10 +469,9 @@ int main(int argc, char **argv)
     uint64_t seed = 12345;
     for (int32_t i = 0; i < TABLE; i++) {
         int32_t blue = derived_by_search(i & 255, i >> 8, 255, false);
-        uint32_t other = random_bits(&seed) & 0xffffff;
-        bool flagged = i == 0 || i == 65535;
+        uint32_t other = (random_bits(&seed) & 0xffffff) | (i % 65535 == 0 ? 1U << 24 : 0);
         blues[i] = (uint8_t) (blue < 0 ? 0 : blue);
-        table[i] = blue < 0 ? other | (flagged ? 0x1000000U : 0) : (uint32_t) (i | blue << 16);
+        table[i] = blue < 0 ? other : (uint32_t) (i | blue << 16);
     }
     base = ntp__kernels(0);
     check_derive(base);
