@@ -11,6 +11,7 @@
 #include "measure/merge.h"
 #ifdef NTP_HAVE_AVX512
 #  include "measure/colors_avx512.h"
+#  include "texel/kernels_avx512.h"
 #endif
 
 #include <stdbool.h>
@@ -264,10 +265,14 @@ static void clear_close(ntp__color_counts *t, int32_t most)
     t->has_close = 0;
 }
 
-/* Adds the rows that were not noted to `seen`, which is t's own or a copy.  Steeper rows than any in
- * use are a third of all, or more, and stay untouched. */
+/* Adds the rows that were not noted to `seen`, which is t's own or a copy, and takes off those that were noted in
+ * blocks and hold nothing.  Steeper rows than any in use are a third of all, or more, and stay untouched. */
 static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32_t most)
 {
+#ifdef NTP_HAVE_AVX512
+    if (t->grouped && ntp__cpu_has_avx512(NTP__CPU_ALL))
+        ntp__look_at_blocks_avx512(seen, &t->at);
+#endif
     if (!t->unnoted)
         return;
     for (int32_t row = 0; row < NTP__ROWS; row = next_of(row, most)) {
@@ -291,6 +296,7 @@ static void define_noted(ntp__color_counts *t)
 void ntp__note_rows(ntp__color_counts *t, int32_t most)
 {
     find_rows(t->at.row_seen, t, most);
+    memset(t->at.noted, 0, sizeof t->at.noted);
     t->unnoted = 0;
     if (t->undefined)
         define_noted(t);
@@ -334,6 +340,7 @@ void ntp__clear_cells(ntp__color_counts *t, int32_t most)
             memset(&t->at.carried[row * NTP__ROW_CELLS], 0, 256 * sizeof t->at.carried[0]);
     }
     memset(seen, 0, sizeof t->at.row_seen);
+    memset(t->at.noted, 0, sizeof t->at.noted);
     t->grouped = 0;
     t->mostly_far = 0;
 }

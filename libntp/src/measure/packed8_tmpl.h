@@ -205,6 +205,7 @@ static void count_alphas(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_
 /* What packed texels are counted by, over rows. */
 typedef struct packed_counts {
     ntp__count_close8_fn *close;
+    ntp__count8_fn *cells;
     bool counts_only;       /* levels are in the sums of channels already */
     ntp__close8_block part; /* its survey is not in the tally yet */
     alpha_counts alpha;
@@ -215,6 +216,7 @@ static void begin_packed(packed_counts *c, uint32_t touch, bool counts_only)
     ntp__kernels_table kernels;
     ntp__pick_kernels(&kernels, NTP__CPU_ALL);
     c->close = kernels.count_close8;
+    c->cells = kernels.count_cells;
     c->counts_only = counts_only;
     begin_alpha(&c->alpha, touch);
     c->part.visible = c->alpha.visible;
@@ -262,14 +264,13 @@ static void add_alphas(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t
 static int32_t count_groups(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n,
                             int32_t channels, size_t ahead)
 {
-    ntp__count8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_cells;
     ntp__found8 found = { .survey = &c->part.survey };
-    if (count == NULL)
+    if (c->cells == NULL)
         return 0;
     found.used = (t->touched & NTP_UNUSED_BLACK ? NTP__BLACK8 : 0) |
                  (t->touched & NTP_UNUSED_WHITE ? NTP__WHITE8 : 0) |
                  (t->touched & NTP_UNUSED_TRANSPARENT ? NTP__CLEAR8 : 0);
-    const int32_t done = count(&t->cells.at, &found, p, n, channels, ahead);
+    const int32_t done = c->cells(&t->cells.at, &found, p, n, channels, ahead);
     t->cells.grouped |= done > 0;
     t->gray += found.gray;
     t->black += found.black;

@@ -61,12 +61,23 @@ static inline uint32_t ntp__close8_of(uint32_t row, uint32_t blue)
                                                                     << NTP__CLOSE8_SHIFT;
 }
 
+/* Rows may be noted as far in blocks of eight, also those that hold nothing, until these are looked at:
+ * a bit of each block says that it is noted.  The last block has all rows that are left. */
+enum { NTP__BLOCK_SHIFT = 3, NTP__ROW_BLOCKS = 1024 };
+
 typedef struct ntp__cell_counts {
     uint8_t row_seen[NTP__ROWS]; /* NTP__SEEN_* */
+    uint8_t noted[NTP__ROW_BLOCKS / 8];
     uint32_t near[NTP__ROWS * NTP__NEAR];
     uint8_t far[NTP__CELLS];      /* by row and blue */
     uint32_t carried[NTP__CELLS]; /* in 256 */
 } ntp__cell_counts;
+
+static inline int32_t ntp__row_block(int32_t row)
+{
+    const int32_t block = row >> NTP__BLOCK_SHIFT, last = NTP__ROW_BLOCKS - 1;
+    return block < last ? block : last;
+}
 
 /* Adds up to 256 to a cell that is not a near one, of a row that is noted as far. */
 static inline void ntp__count_far(ntp__cell_counts *counts, uint32_t cell, uint32_t count)

@@ -274,12 +274,12 @@ void ntp__count_close8_avx2(ntp__close8_block *out, ntp__close8_counts close, co
     }
 }
 
-enum { WAITING = 512, STREAMS = 8 /* counts that are waiting, and parts of them */ };
+enum { STREAMS = 8 /* parts of counts that are waiting */ };
 
 /* Cells that are to be counted, and their rows. */
 typedef struct waiting8 {
-    uint32_t at[WAITING];
-    uint16_t rows[WAITING];
+    uint32_t at[NTP__WAITING8];
+    uint16_t rows[NTP__WAITING8];
     int32_t n;
 } waiting8;
 
@@ -304,10 +304,22 @@ INLINE void count_one(ntp__cell_counts *counts, uint32_t cell)
 
 /* Apart from the arithmetic, so that many counts are on their way at once.  Neighbors are often alike, and a
  * count waits for the one before it in the same place; so one of each part follows the other. */
+void ntp__count_each8(ntp__cell_counts *counts, const uint32_t *at, int32_t n)
+{
+    const int32_t part = n / STREAMS;
+    for (int32_t i = 0; i < part; i++) {
+        UNROLLED
+        for (int32_t k = 0; k < STREAMS; k++)
+            count_one(counts, at[i + k * part]);
+    }
+    for (int32_t i = STREAMS * part; i < n; i++)
+        count_one(counts, at[i]);
+}
+
 ONE_COPY static void count_each(ntp__cell_counts *counts, waiting8 *w)
 {
     const uint8_t *const seen = counts->row_seen;
-    const int32_t n = w->n, part = n / STREAMS;
+    const int32_t n = w->n;
     for (int32_t i = 0; i + 4 <= n; i += 4) {
         const uint16_t *const rows = w->rows + i;
         /* storing it again would be waited for */
@@ -316,13 +328,7 @@ ONE_COPY static void count_each(ntp__cell_counts *counts, waiting8 *w)
             note_rows(counts, rows, 4);
     }
     note_rows(counts, w->rows + n / 4 * 4, n % 4);
-    for (int32_t i = 0; i < part; i++) {
-        UNROLLED
-        for (int32_t k = 0; k < STREAMS; k++)
-            count_one(counts, w->at[i + k * part]);
-    }
-    for (int32_t i = STREAMS * part; i < n; i++)
-        count_one(counts, w->at[i]);
+    ntp__count_each8(counts, w->at, n);
     w->n = 0;
 }
 
@@ -406,7 +412,7 @@ int32_t ntp__count_cells_avx2(ntp__cell_counts *counts, ntp__found8 *found, cons
         } else {
             w.n += GROUP;
         }
-        if (w.n > WAITING - GROUP)
+        if (w.n > NTP__WAITING8 - GROUP)
             count_each(counts, &w);
     }
     count_each(counts, &w);

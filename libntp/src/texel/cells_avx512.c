@@ -1,22 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * cells_avx512.c - counts packed texels of 8 bit that are close to exact, with AVX-512
+ * cells_avx512.c - counts packed texels of 8 bit, close to exact or in the cells of a tally, with AVX-512
  *
- * As count_close8 of cells_avx2.c, which says why the numbers are right, but 32 texels at a time, and their
- * sums and extremes on the way.  A count takes about as long as all the arithmetic for a texel.  So flat
+ * As count_close8 and count_cells of cells_avx2.c, which says why the numbers are right, but 32 texels at a time,
+ * and their sums and extremes on the way.  A count takes about as long as all the arithmetic for a texel.  So flat
  * texels with their derived blue, half of many textures, are counted by bits of masks instead.
+ *
+ * To look up which rows of cells are noted would take a third of the time of a count.  So they are noted in blocks,
+ * whose bits are in two registers.
  *
  * No list is longer than the texels looked at so far, so there is room for 16 lanes at its end.
  */
 #include "texel/kernels_avx512.h"
 
 #include "base/lanes_avx2.h"
+#include "texel/cells_avx2.h"
 #include "texel/packed_avx512_tmpl.h"
 
 #include <string.h>
 
 /* A loop of two steps, also where the compiler saves code. */
 #define UNROLLED _Pragma("GCC unroll 2")
+
+#define INLINE static inline __attribute__((always_inline))
 
 enum { STEP = 32, FLAT = NTP__ROWS - NTP__FLAT_ROWS };
 
@@ -82,6 +88,95 @@ ONE_COPY static uint64_t flat_counts(__m512i flat)
         sums = plus_bytes(_mm512_ror_epi64(sums, 16), one);
     }
     return sum_of(_mm512_ror_epi64(sums, 16));
+}
+
+/* Where the bytes of 32 texels are, in two registers. */
+typedef struct layout {
+    __m512i from_rg, from_b;
+    __mmask64 used; /* of blue and alpha */
+    int32_t second; /* where the second one begins: it ends with the texels */
+} layout;
+
+INLINE layout layout_of(int32_t channels)
+{
+    const int32_t second = STEP * channels - 64;
+    return (layout) { bytes_of(channels, 0, second), bytes_of(channels, 2, second),
+                      channels == 3 ? 0x5555555555555555 : UINT64_MAX, second };
+}
+
+/* Sums and extremes of texels so far; and the bits of blue and alpha that all have. */
+typedef struct surveyed {
+    __m512i least_rg, least_b, most_rg, most_b, sum_r, sum_g, sum_b, every;
+} surveyed;
+
+INLINE surveyed begin_survey(void)
+{
+    const __m512i zero = _mm512_setzero_si512(), ones = _mm512_set1_epi8(-1);
+    return (surveyed) { ones, ones, zero, zero, zero, zero, zero, ones };
+}
+
+/* Thirty-two texels: red and green, blue and alpha or 0, and blue. */
+typedef struct taken {
+    __m512i rg, blue_alpha, b;
+} taken;
+
+INLINE taken take(surveyed *s, const uint8_t *src, const layout *l)
+{
+    const __m512i v = _mm512_loadu_si512(src), w = _mm512_loadu_si512(src + l->second);
+    const __m512i low = _mm512_set1_epi16(255);
+    taken t;
+    t.rg = _mm512_permutex2var_epi8(v, l->from_rg, w);
+    t.blue_alpha = _mm512_maskz_permutex2var_epi8(l->used, v, l->from_b, w);
+    t.b = _mm512_and_si512(t.blue_alpha, low);
+    s->every = _mm512_and_si512(s->every, t.blue_alpha);
+    s->least_rg = _mm512_min_epu8(s->least_rg, t.rg);
+    s->least_b = _mm512_min_epu8(s->least_b, t.b);
+    s->most_rg = _mm512_max_epu8(s->most_rg, t.rg);
+    s->most_b = _mm512_max_epu8(s->most_b, t.b);
+    s->sum_r = plus_bytes(s->sum_r, _mm512_and_si512(t.rg, low));
+    s->sum_g = plus_bytes(s->sum_g, _mm512_srli_epi16(t.rg, 8));
+    s->sum_b = plus_bytes(s->sum_b, t.b);
+    return t;
+}
+
+/* Adds what was found of n texels. */
+ONE_COPY static void end_survey(ntp__packed_survey *to, const surveyed *s, int32_t n)
+{
+    const __m512i ones = _mm512_set1_epi8(-1);
+    merge_greatest(to->extremes[0], _mm512_xor_si512(s->least_rg, ones),
+                   _mm512_xor_si512(s->least_b, ones));
+    merge_greatest(to->extremes[1], s->most_rg, s->most_b);
+    to->texels += (uint64_t) n;
+    to->translucent |= _mm512_cmplt_epu16_mask(s->every, _mm512_set1_epi16((short) 0xff00)) != 0;
+    to->sum[0] += sum_of(s->sum_r);
+    to->sum[1] += sum_of(s->sum_g);
+    to->sum[2] += sum_of(s->sum_b);
+}
+
+/* Which are gray. */
+INLINE __mmask32 are_gray(taken t)
+{
+    const __m512i twice =
+        _mm512_broadcast_i32x4(_mm_setr_epi8(0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 10, 10, 12, 12, 14, 14));
+    return _mm512_cmpeq_epi16_mask(t.rg, _mm512_shuffle_epi8(t.b, twice));
+}
+
+/* The k of red and green. */
+INLINE __m512i k_of(__m512i rg)
+{
+    return _mm512_min_epu8(_mm512_xor_si512(rg, _mm512_set1_epi8(127)),
+                           _mm512_xor_si512(rg, _mm512_set1_epi8(-128)));
+}
+
+/* Their rows; those in the middle are flat. */
+INLINE __m512i rows_of(__m512i rg, __m512i k, __mmask32 in_middle)
+{
+    const __m512i p = _mm512_and_si512(k, _mm512_set1_epi16(255)), q = _mm512_srli_epi16(k, 8);
+    const __m512i k1 = _mm512_max_epi16(p, q), k2 = _mm512_min_epi16(p, q);
+    const __m512i rectangle = _mm512_mullo_epi16(k1, _mm512_sub_epi16(k1, _mm512_set1_epi16(-1)));
+    return _mm512_mask_add_epi16(_mm512_add_epi16(_mm512_srli_epi16(rectangle, 1), k2), in_middle,
+                                 _mm512_maddubs_epi16(rg, _mm512_set1_epi16(0x201)),
+                                 _mm512_set1_epi16(FLAT - (127 + 2 * 127)));
 }
 
 void ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close, const uint8_t *src,
@@ -213,4 +308,120 @@ void ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close, 
     out->survey.sum[1] += sum_of(sum_g);
     out->survey.sum[2] += sum_of(sum_b);
     end_lanes();
+}
+
+/* Which of these rows are in blocks that are not noted. */
+INLINE __mmask32 are_new(__m512i row, __m512i noted0, __m512i noted1)
+{
+    const __m512i bits = _mm512_set1_epi64((long long) 0x8040201008040201);
+    const __m512i block = _mm512_min_epu16(_mm512_srli_epi16(row, NTP__BLOCK_SHIFT),
+                                           _mm512_set1_epi16(NTP__ROW_BLOCKS - 1));
+    const __m512i byte = _mm512_permutex2var_epi8(noted0, _mm512_srli_epi16(block, 3), noted1);
+    /* of the high bytes no bit */
+    const __m512i which = _mm512_ternarylogic_epi64(block, _mm512_set1_epi16(7),
+                                                    _mm512_set1_epi16((short) 0x8000), 0xea);
+    return _mm512_testn_epi16_mask(byte, _mm512_shuffle_epi8(bits, which));
+}
+
+/* Notes the blocks of n rows. */
+ONE_COPY static void note_blocks(ntp__cell_counts *counts, const uint16_t *rows, int32_t n)
+{
+    enum { ROWS = 1 << NTP__BLOCK_SHIFT };
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t block = ntp__row_block(rows[i]);
+        const int32_t end = block == NTP__ROW_BLOCKS - 1 ? NTP__ROWS : (block + 1) * ROWS;
+        if (counts->noted[block >> 3] >> (block & 7) & 1)
+            continue;
+        counts->noted[block >> 3] |= (uint8_t) (1 << (block & 7));
+        for (int32_t k = block * ROWS; k < end; k++)
+            counts->row_seen[k] |= NTP__SEEN_QUARTERS;
+    }
+}
+
+int32_t ntp__count_cells_avx512(ntp__cell_counts *counts, ntp__found8 *found, const uint8_t *src,
+                                int32_t n, int32_t channels, size_t ahead)
+{
+    const layout at_src = layout_of(channels);
+    const bool hides = channels == 4 && !(found->used & NTP__CLEAR8);
+    const __m512i low = _mm512_set1_epi16(255), by = _mm512_set1_epi32(1 << 16 | NTP__ROW_CELLS);
+    const int32_t whole = n & -STEP;
+    surveyed survey = begin_survey();
+    uint32_t at[NTP__WAITING8];
+    uint16_t rows[NTP__WAITING8];
+    for (int32_t i = 0; i < whole;) {
+        const __m512i noted0 = _mm512_loadu_si512(counts->noted),
+                      noted1 = _mm512_loadu_si512(counts->noted + 64);
+        __mmask32 new_ones = 0;
+        int32_t looked = 0, waiting = 0;
+        /* Calls would take these registers, so there is none. */
+        for (; looked < NTP__WAITING8 && i < whole;
+             looked += STEP, i += STEP, src += channels * STEP) {
+            _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
+            _mm_prefetch((const char *) src + ahead + 64, _MM_HINT_T0);
+            const taken t = take(&survey, src, &at_src);
+            const __m512i k = k_of(t.rg), row = rows_of(t.rg, k, _mm512_testn_epi16_mask(k, k));
+            __mmask32 gray = are_gray(t), left_out = 0;
+            if (hides)
+                left_out = _mm512_cmple_epu16_mask(t.blue_alpha, low);
+            gray &= ~left_out;
+            if (gray != 0) {
+                __mmask32 black = 0, white = 0;
+                if (!(found->used & NTP__BLACK8))
+                    black = _mm512_mask_testn_epi16_mask(gray, t.rg, t.rg);
+                if (!(found->used & NTP__WHITE8))
+                    white = _mm512_mask_cmpeq_epi16_mask(gray, t.rg, _mm512_set1_epi8(-1));
+                found->gray += (uint32_t) __builtin_popcount(gray);
+                found->black += (uint32_t) __builtin_popcount(black);
+                found->white += (uint32_t) __builtin_popcount(white);
+                left_out |= black | white;
+            }
+            new_ones |= are_new(row, noted0, noted1) & ~left_out;
+            const __m512i cells[2] = { _mm512_madd_epi16(_mm512_unpacklo_epi16(row, t.b), by),
+                                       _mm512_madd_epi16(_mm512_unpackhi_epi16(row, t.b), by) };
+            const __m512i first = _mm512_broadcastd_epi32(_mm512_castsi512_si128(cells[0]));
+            _mm512_storeu_si512(rows + looked, row);
+            if (left_out != 0) {
+                /* words of which a half of each lane is in cells[0] */
+                const __m512i kept = _mm512_movm_epi16(~left_out);
+                const __m512i halves[2] = { _mm512_unpacklo_epi16(kept, kept),
+                                            _mm512_unpackhi_epi16(kept, kept) };
+                UNROLLED
+                for (int h = 0; h < 2; h++) {
+                    const __mmask16 these = _mm512_test_epi32_mask(halves[h], halves[h]);
+                    _mm512_storeu_si512(at + waiting, _mm512_maskz_compress_epi32(these, cells[h]));
+                    waiting += __builtin_popcount(these);
+                }
+            } else if ((_mm512_cmpneq_epi32_mask(cells[0], first) |
+                        _mm512_cmpneq_epi32_mask(cells[1], first)) == 0) {
+                ntp__count_far(counts, (uint32_t) _mm_cvtsi128_si32(_mm512_castsi512_si128(first)),
+                               STEP);
+            } else {
+                _mm512_storeu_si512(at + waiting, cells[0]);
+                _mm512_storeu_si512(at + waiting + LANES_512, cells[1]);
+                waiting += STEP;
+            }
+        }
+        if (new_ones != 0)
+            note_blocks(counts, rows, looked);
+        ntp__count_each8(counts, at, waiting);
+    }
+    const surveyed all = survey;
+    end_survey(found->survey, &all, whole);
+    return whole + ntp__count_cells_avx2(counts, found, src, n - whole, channels, ahead);
+}
+
+void ntp__look_at_blocks_avx512(uint8_t seen[NTP__ROWS], const ntp__cell_counts *counts)
+{
+    for (int32_t row = 0; row < NTP__ROWS; row++) {
+        const uint8_t *const far = &counts->far[row * NTP__ROW_CELLS];
+        if (counts->noted[ntp__row_block(row) >> 3] == 0) {
+            row |= (8 << NTP__BLOCK_SHIFT) - 1; /* the last one of eight blocks */
+            continue;
+        }
+        for (int32_t i = 0; i < 4 && !(seen[row] & NTP__SEEN_CARRIED); i++) {
+            const __m512i v = _mm512_loadu_si512(far + i * NTP__QUARTER);
+            if (_mm512_test_epi64_mask(v, v) == 0)
+                seen[row] &= (uint8_t) ~(NTP__SEEN_QUARTER << i);
+        }
+    }
 }

@@ -21,6 +21,7 @@ void ntp__pick_kernels(ntp__kernels_table *kernels, int mask)
     kernels->clean_rgb8_blindly = ntp__clean_rgb8_avx512;
     kernels->clean_rgba8 = ntp__clean_rgba8_avx512;
     kernels->derive_rgb16 = ntp__derive_rgb16_avx512;
+    kernels->count_cells = ntp__count_cells_avx512;
     kernels->count_close8 = ntp__count_close8_avx512;
     kernels->count_exact = ntp__count_exact_avx512;
     kernels->validate_rgb = ntp__validate_rgb_avx512;
