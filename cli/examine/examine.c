@@ -192,7 +192,7 @@ static void large_pages(source *s)
     if (texels < MANY || s->view.encoding == NTP_ENCODING_HEIGHT)
         return;
     if (s->view.type != NTP_TYPE_U8)
-        os_large_pages(counts + 7 * PAGE, PAGE);
+        os_large_pages(counts + 6 * PAGE, PAGE);
     else
         os_large_pages(counts, texels < MORE ? PAGE : 2 * PAGE);
 }

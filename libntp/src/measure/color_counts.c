@@ -105,7 +105,8 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
 {
     const uint32_t *const near = &t->at.near[row * NTP__NEAR];
     const uint8_t *const far = &t->at.far[row * NTP__ROW_CELLS];
-    const uint32_t *const carried = &t->at.carried[row * NTP__ROW_CELLS];
+    const uint8_t *const carried = &t->at.carried[row * NTP__ROW_CELLS];
+    const uint16_t *const often = &t->at.often[row * NTP__ROW_CELLS];
     const int32_t first = t->row[row].first, seen = t->at.row_seen[row];
     const uint64_t any_near = ntp__in_use16(near);
     int32_t n = 0;
@@ -124,8 +125,10 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
                                                       : 0;
         if (seen & NTP__SEEN_QUARTER << i / NTP__QUARTER) {
             bits |= bytes_in_use(far + i);
-            for (int32_t k = 0; seen & NTP__SEEN_CARRIED && k < NTP__QUARTER; k += 16)
-                bits |= (uint64_t) ntp__in_use16(carried + i + k) << k;
+            if (seen & NTP__SEEN_CARRIED)
+                bits |= bytes_in_use(carried + i);
+            for (int32_t k = 0; seen & NTP__SEEN_OFTEN && k < NTP__QUARTER; k++)
+                bits |= (uint64_t) (often[i + k] != 0) << k;
         }
         for (; bits != 0; bits &= bits - 1) {
             const int32_t blue = i + __builtin_ctzll(bits);
@@ -135,7 +138,7 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
         }
     }
     for (int32_t i = 0; seen & NTP__SEEN_CARRIED && i < n; i++)
-        cells->count[i] += carried[cells->blue[i]] << 8;
+        cells->count[i] += (uint32_t) carried[cells->blue[i]] << 8 | (uint32_t) often[cells->blue[i]] << 16;
     return n;
 }
 
@@ -318,8 +321,15 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, in
         into->at.row_seen[row] |= seen[row];
         for (int32_t i = first; seen[row] & NTP__SEEN_QUARTERS && i < first + 256; i++)
             ntp__count_far(&into->at, (uint32_t) i, from->at.far[i]);
-        if (seen[row] & NTP__SEEN_CARRIED)
-            ntp__merge_counts(&into->at.carried[first], &from->at.carried[first], 256);
+        for (int32_t i = first; seen[row] & NTP__SEEN_CARRIED && i < first + 256; i++) {
+            const uint32_t sum = (uint32_t) into->at.carried[i] + from->at.carried[i];
+            const uint32_t often = (sum >> 8) + into->at.often[i] + from->at.often[i];
+            into->at.carried[i] = (uint8_t) sum;
+            if (often == 0)
+                continue;
+            into->at.often[i] = (uint16_t) often;
+            into->at.row_seen[row] |= NTP__SEEN_OFTEN;
+        }
     }
     add_close(into, from, most);
 }
@@ -337,7 +347,9 @@ void ntp__clear_cells(ntp__color_counts *t, int32_t most)
                 memset(&t->at.far[row * NTP__ROW_CELLS + i], 0, NTP__QUARTER);
         }
         if (seen[row] & NTP__SEEN_CARRIED)
-            memset(&t->at.carried[row * NTP__ROW_CELLS], 0, 256 * sizeof t->at.carried[0]);
+            memset(&t->at.carried[row * NTP__ROW_CELLS], 0, 256);
+        if (seen[row] & NTP__SEEN_OFTEN)
+            memset(&t->at.often[row * NTP__ROW_CELLS], 0, 256 * sizeof t->at.often[0]);
     }
     memset(seen, 0, sizeof t->at.row_seen);
     memset(t->at.noted, 0, sizeof t->at.noted);

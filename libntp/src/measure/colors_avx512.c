@@ -270,6 +270,11 @@ static inline int32_t keep(int32_t *blues, uint32_t *counts, __m512i blue, __m51
     return __builtin_popcount(some);
 }
 
+static inline __m512i sixteen_bytes(const uint8_t *bytes)
+{
+    return _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *) bytes));
+}
+
 /* Reads a row; returns its number of colors. */
 ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__color_counts *t,
                                  int32_t row)
@@ -278,7 +283,8 @@ ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__co
     const uint32_t seen = t->at.row_seen[row], first = t->row[row].first;
     const uint32_t group = first / LANES_512 * 4;
     const uint8_t *const far = &t->at.far[row * NTP__ROW_CELLS];
-    const uint32_t *const carried = &t->at.carried[row * NTP__ROW_CELLS];
+    const uint8_t *const carried = &t->at.carried[row * NTP__ROW_CELLS];
+    const uint16_t *const often = &t->at.often[row * NTP__ROW_CELLS];
     const __m512i near = load(&t->at.near[row * NTP__NEAR]), steps = steps_of(1, 0);
     int32_t n = 0;
     if ((seen & NTP__SEEN_QUARTERS) == 0)
@@ -289,8 +295,12 @@ ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__co
     for (uint32_t k = 0; k < 4; k++) {
         if (!(seen & NTP__SEEN_QUARTER << k))
             continue;
-        const __m512i v = load(far + k * NTP__QUARTER);
-        const uint32_t its = seen & NTP__SEEN_CARRIED ? 0xFFFF : _mm512_test_epi32_mask(v, v);
+        __m512i v = load(far + k * NTP__QUARTER);
+        if (seen & NTP__SEEN_CARRIED)
+            v = _mm512_or_si512(v, load(carried + k * NTP__QUARTER));
+        if (seen & NTP__SEEN_OFTEN) /* all of these */
+            v = all(1);
+        const uint32_t its = _mm512_test_epi32_mask(v, v);
         left |= (uint64_t) its << 16 * k;
     }
     left |= (uint64_t) ((some & 0xFFFF) != 0) << group | (uint64_t) (some > 0xFFFF)
@@ -302,10 +312,14 @@ ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__co
         __m512i count = _mm512_maskz_permutexvar_epi32(
             _mm512_cmplt_epu32_mask(place, all(NTP__NEAR)), place, near);
         if (seen & NTP__SEEN_QUARTER << b / NTP__QUARTER) {
-            count = _mm512_add_epi32(
-                count, _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *) (far + b))));
+            count = _mm512_add_epi32(count, sixteen_bytes(far + b));
             if (seen & NTP__SEEN_CARRIED)
-                count = _mm512_add_epi32(count, _mm512_slli_epi32(load(carried + b), 8));
+                count =
+                    _mm512_add_epi32(count, _mm512_slli_epi32(sixteen_bytes(carried + b), 8));
+            if (seen & NTP__SEEN_OFTEN) {
+                const __m256i more = _mm256_loadu_si256((const void *) (often + b));
+                count = _mm512_add_epi32(count, _mm512_slli_epi32(_mm512_cvtepu16_epi32(more), 16));
+            }
         }
         n += keep(blues + n, counts + n, blue, count);
     }

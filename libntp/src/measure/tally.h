@@ -78,6 +78,7 @@ struct ntp_tally {
         cells; /* used texels only; where most are close, the far ones stay untouched */
 
     ntp__sums transparent_wide; /* judged at 16 bit */
+    uint32_t pair_texels[65536];
     /* Well-formed textures of 16 bit need what follows, up to `harm` of `wide`. */
     uint8_t pair_seen[65536 / NTP__PAIR_GROUP];
     /* Pairs of sampled rows: texels and the sum of their blues in one number (ntp__pair_place, NTP__PAIR_TEXEL),
@@ -92,7 +93,6 @@ struct ntp_tally {
 
     /* Well-formed textures need nothing from here on, so these pages stay untouched. */
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
-    uint32_t pair_texels[65536];
     uint64_t pair_blue[65536];
     ntp__sums transparent_narrow; /* judged at 8 bit */
     ntp__far_counts far;          /* texels of `wide`, as those in `close` */
@@ -100,8 +100,8 @@ struct ntp_tally {
 
 /* A caller may put one large page under the counts of the depth it has (libntp.h, ntp_tally_size). */
 _Static_assert(offsetof(ntp_tally, cells.at.far) <= NTP__LARGE_PAGE &&
-                   offsetof(ntp_tally, pair_seen) >= 7 * NTP__LARGE_PAGE &&
-                   offsetof(ntp_tally, wide.harm) <= 8 * NTP__LARGE_PAGE,
+                   offsetof(ntp_tally, pair_seen) >= 6 * NTP__LARGE_PAGE &&
+                   offsetof(ntp_tally, wide.harm) <= 7 * NTP__LARGE_PAGE,
                "");
 
 /* The place of red and green, rounded to 8 bit.  Slopes lie in a disc, so a page holds 32 reds of 32

@@ -31,6 +31,7 @@ enum {
  * far from exact, most of a row is neither read nor cleared. */
 enum {
     NTP__SEEN_NEAR = 1,
+    NTP__SEEN_OFTEN = 2,
     NTP__SEEN_CARRIED = 4,
     NTP__SEEN_DENSE = 8,
     NTP__SEEN_QUARTER = 16,
@@ -69,8 +70,9 @@ typedef struct ntp__cell_counts {
     uint8_t row_seen[NTP__ROWS]; /* NTP__SEEN_* */
     uint8_t noted[NTP__ROW_BLOCKS / 8];
     uint32_t near[NTP__ROWS * NTP__NEAR];
-    uint8_t far[NTP__CELLS];      /* by row and blue */
-    uint32_t carried[NTP__CELLS]; /* in 256 */
+    uint8_t far[NTP__CELLS];     /* by row and blue */
+    uint8_t carried[NTP__CELLS]; /* in 256 */
+    uint16_t often[NTP__CELLS];  /* in 65536 */
 } ntp__cell_counts;
 
 static inline int32_t ntp__row_block(int32_t row)
@@ -79,15 +81,24 @@ static inline int32_t ntp__row_block(int32_t row)
     return block < last ? block : last;
 }
 
+/* Adds 256 to a cell. */
+static inline void ntp__carry(ntp__cell_counts *counts, uint32_t cell)
+{
+    uint8_t *const seen = &counts->row_seen[cell / NTP__ROW_CELLS];
+    *seen |= NTP__SEEN_CARRIED;
+    if (++counts->carried[cell] != 0)
+        return;
+    counts->often[cell]++;
+    *seen |= NTP__SEEN_OFTEN;
+}
+
 /* Adds up to 256 to a cell that is not a near one, of a row that is noted as far. */
 static inline void ntp__count_far(ntp__cell_counts *counts, uint32_t cell, uint32_t count)
 {
     const uint32_t sum = counts->far[cell] + count;
     counts->far[cell] = (uint8_t) sum;
-    if (sum > 255) {
-        counts->carried[cell]++;
-        counts->row_seen[cell / NTP__ROW_CELLS] |= NTP__SEEN_CARRIED;
-    }
+    if (sum > 255)
+        ntp__carry(counts, cell);
 }
 
 #endif

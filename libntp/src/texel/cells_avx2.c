@@ -291,8 +291,7 @@ INLINE void note_rows(ntp__cell_counts *counts, const uint16_t *rows, int32_t n)
 
 ONE_COPY static void carry(ntp__cell_counts *counts, uint32_t cell)
 {
-    counts->carried[cell]++;
-    counts->row_seen[cell / NTP__ROW_CELLS] |= NTP__SEEN_CARRIED;
+    ntp__carry(counts, cell);
 }
 
 /* As ntp__count_far, of one. */

@@ -327,11 +327,16 @@ INLINE __mmask32 are_new(__m512i row, __m512i noted0, __m512i noted1)
 ONE_COPY static void note_blocks(ntp__cell_counts *counts, const uint16_t *rows, int32_t n)
 {
     enum { ROWS = 1 << NTP__BLOCK_SHIFT };
-    for (int32_t i = 0; i < n; i++) {
-        const int32_t block = ntp__row_block(rows[i]);
-        const int32_t end = block == NTP__ROW_BLOCKS - 1 ? NTP__ROWS : (block + 1) * ROWS;
-        if (counts->noted[block >> 3] >> (block & 7) & 1)
+    for (int32_t i = 0; i < n;) {
+        const __mmask32 new_ones =
+            are_new(_mm512_loadu_si512(rows + i), _mm512_loadu_si512(counts->noted),
+                    _mm512_loadu_si512(counts->noted + 64));
+        if (new_ones == 0) {
+            i += STEP;
             continue;
+        }
+        const int32_t block = ntp__row_block(rows[i + __builtin_ctz(new_ones)]);
+        const int32_t end = block == NTP__ROW_BLOCKS - 1 ? NTP__ROWS : (block + 1) * ROWS;
         counts->noted[block >> 3] |= (uint8_t) (1 << (block & 7));
         for (int32_t k = block * ROWS; k < end; k++)
             counts->row_seen[k] |= NTP__SEEN_QUARTERS;
