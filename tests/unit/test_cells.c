@@ -50,17 +50,19 @@ static void put(uint8_t *dst, int32_t channels, int32_t r, int32_t g, int32_t b)
 static void check_counts(void)
 {
     for (int32_t row = 0; row < NTP__ROWS; row++) {
-        bool any = false, carried = false;
+        bool any = false, carried = false, often = false;
         for (int32_t i = row * NTP__ROW_CELLS; i < (row + 1) * NTP__ROW_CELLS; i++) {
-            CHECK(cells.far[i] + 256 * cells.carried[i] == want[i]);
+            CHECK(cells.far[i] + 256u * cells.carried[i] + 65536u * cells.often[i] == want[i]);
             any |= want[i] != 0;
             carried |= want[i] > 255;
+            often |= want[i] > 65535;
         }
         const int32_t block = ntp__row_block(row);
         const bool noted = (cells.noted[block / 8] >> block % 8 & 1) != 0;
         CHECK(allowed_512 || !noted);
         CHECK(cells.row_seen[row] ==
-              (any || noted ? NTP__SEEN_QUARTERS : 0) + (carried ? NTP__SEEN_CARRIED : 0));
+              (any || noted ? NTP__SEEN_QUARTERS : 0) + (carried ? NTP__SEEN_CARRIED : 0) +
+                  (often ? NTP__SEEN_OFTEN : 0));
     }
     for (int32_t i = 0; i < NTP__ROWS * NTP__NEAR; i++)
         CHECK(cells.near[i] == 0);
@@ -96,7 +98,7 @@ static void check_colors(const ntp__kernels_table *level, int32_t channels)
 /* Two colors in turn, and one, more often than a byte holds. */
 static void check_many(const ntp__kernels_table *level, int32_t channels)
 {
-    enum { TIMES = 1024 }; /* bytes are 0 in the end */
+    enum { TIMES = 4096 }; /* bytes are 0 in the end, of the even ones all of them but one */
     uint8_t mixed[EVEN * 4], even[EVEN * 4];
     ntp__packed_survey survey = { .texels = 0 };
     ntp__found8 found = { .survey = &survey };

@@ -28,9 +28,11 @@ static void put_far(int32_t row, int32_t b, uint32_t n)
 {
     const int32_t cell = row * NTP__ROW_CELLS + b;
     counts.at.far[cell] = (uint8_t) n;
-    counts.at.carried[cell] = n >> 8;
+    counts.at.carried[cell] = (uint8_t) (n >> 8);
+    counts.at.often[cell] = (uint16_t) (n >> 16);
     counts.at.row_seen[row] |=
-        (uint8_t) (NTP__SEEN_QUARTER << b / NTP__QUARTER | (n > 255 ? NTP__SEEN_CARRIED : 0));
+        (uint8_t) (NTP__SEEN_QUARTER << b / NTP__QUARTER | (n > 255 ? NTP__SEEN_CARRIED : 0) |
+                   (n > 65535 ? NTP__SEEN_OFTEN : 0));
 }
 
 static void put_near(int32_t row, int32_t place, uint32_t n)
@@ -57,7 +59,8 @@ static void fill(int32_t row, uint32_t kind, uint64_t *seed)
 static void clear(int32_t row)
 {
     memset(&counts.at.far[row * NTP__ROW_CELLS], 0, 256);
-    memset(&counts.at.carried[row * NTP__ROW_CELLS], 0, 256 * sizeof counts.at.carried[0]);
+    memset(&counts.at.carried[row * NTP__ROW_CELLS], 0, 256);
+    memset(&counts.at.often[row * NTP__ROW_CELLS], 0, 256 * sizeof counts.at.often[0]);
     memset(&counts.at.near[row * NTP__NEAR], 0, NTP__NEAR * sizeof counts.at.near[0]);
     counts.at.row_seen[row] = 0;
 }
@@ -70,7 +73,8 @@ static int32_t add_colors(ntp__color_batch *batch, int32_t row)
     for (int32_t b = 0; b < 256 && ntp__rest(r, g, 255) >= 0; b++) {
         const int32_t c[] = { r, g, b }, cell = row * NTP__ROW_CELLS + b;
         const uint32_t place = (uint32_t) (b - counts.row[row].first);
-        uint32_t n = counts.at.far[cell] + (counts.at.carried[cell] << 8);
+        uint32_t n = counts.at.far[cell] + ((uint32_t) counts.at.carried[cell] << 8) +
+                     ((uint32_t) counts.at.often[cell] << 16);
         n += place < NTP__NEAR ? counts.at.near[row * NTP__NEAR + (int32_t) place] : 0;
         if (n == 0)
             continue;

@@ -27,14 +27,17 @@ static uint64_t blues[2][256];
 static void put(int32_t row, int32_t b, uint32_t n)
 {
     counts.at.far[row * NTP__ROW_CELLS + b] = (uint8_t) n;
-    counts.at.carried[row * NTP__ROW_CELLS + b] = n >> 8;
-    counts.at.row_seen[row] |= NTP__SEEN_QUARTERS | (n > 255 ? NTP__SEEN_CARRIED : 0);
+    counts.at.carried[row * NTP__ROW_CELLS + b] = (uint8_t) (n >> 8);
+    counts.at.often[row * NTP__ROW_CELLS + b] = (uint16_t) (n >> 16);
+    counts.at.row_seen[row] |= NTP__SEEN_QUARTERS | (n > 255 ? NTP__SEEN_CARRIED : 0) |
+                               (n > 65535 ? NTP__SEEN_OFTEN : 0);
 }
 
 static void fill(int32_t row, int32_t kind, uint64_t *seed)
 {
     memset(&counts.at.far[row * NTP__ROW_CELLS], 0, 256);
-    memset(&counts.at.carried[row * NTP__ROW_CELLS], 0, 256 * sizeof counts.at.carried[0]);
+    memset(&counts.at.carried[row * NTP__ROW_CELLS], 0, 256);
+    memset(&counts.at.often[row * NTP__ROW_CELLS], 0, 256 * sizeof counts.at.often[0]);
     memset(&counts.at.near[row * NTP__NEAR], 0, NTP__NEAR * sizeof counts.at.near[0]);
     counts.at.row_seen[row] = 0;
     for (int32_t b = 0; b < 256; b++) {
