@@ -60,9 +60,9 @@ static void check_counts(void)
         const int32_t block = ntp__row_block(row);
         const bool noted = (cells.noted[block / 8] >> block % 8 & 1) != 0;
         CHECK(allowed_512 || !noted);
-        CHECK(cells.row_seen[row] ==
-              (any || noted ? NTP__SEEN_QUARTERS : 0) + (carried ? NTP__SEEN_CARRIED : 0) +
-                  (often ? NTP__SEEN_OFTEN : 0));
+        CHECK(cells.row_seen[row] == (any || noted ? NTP__SEEN_QUARTERS : 0) +
+                                         (carried ? NTP__SEEN_CARRIED : 0) +
+                                         (often ? NTP__SEEN_OFTEN : 0));
     }
     for (int32_t i = 0; i < NTP__ROWS * NTP__NEAR; i++)
         CHECK(cells.near[i] == 0);
@@ -365,7 +365,7 @@ static void fill(uint8_t *texels, int32_t n, int32_t channels, uint64_t *seed)
 
 static void check_tallies(int32_t channels, uint32_t touch, uint64_t *seed)
 {
-    enum { WIDTH = 4000, HEIGHT = 250, FEW = 8 }; /* more far cells in a row than wait at once */
+    enum { WIDTH = 4000, HEIGHT = 300, FEW = 8 }; /* more far cells in a row than wait at once */
     uint8_t *texels = malloc((size_t) WIDTH * HEIGHT * 4);
     ntp_tally *many = calloc(1, ntp_tally_size()), *few = calloc(1, ntp_tally_size()),
               *merged = calloc(1, ntp_tally_size());
@@ -396,6 +396,12 @@ static void check_tallies(int32_t channels, uint32_t touch, uint64_t *seed)
     for (int32_t i = 1; i < 4; i++)
         /* All were zero-filled, padding included.  NOLINTNEXTLINE */
         CHECK(memcmp(&stats[0], &stats[i], sizeof stats[0]) == 0);
+    CHECK(ntp_tally_merge(merged, few) == NTP_OK &&
+          ntp_tally_add(many, &view, touch, NULL) == NTP_OK);
+    CHECK(ntp_tally_add(few, &view, touch, NULL) == NTP_OK);
+    CHECK(ntp_tally_summarize(&stats[0], many, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_summarize(&stats[1], merged, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(memcmp(&stats[0], &stats[1], sizeof stats[0]) == 0); /* NOLINT */
     CHECK(ntp_tally_levels_off(levels[0], 65536, many, NTP_ENCODING_STANDARD) == NTP_OK);
     CHECK(ntp_tally_levels_off(levels[1], 65536, few, NTP_ENCODING_STANDARD) == NTP_OK);
     CHECK(memcmp(levels[0], levels[1], sizeof levels[0]) == 0);

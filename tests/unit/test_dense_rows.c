@@ -28,16 +28,13 @@ static void put(int32_t row, int32_t b, uint32_t n)
 {
     counts.at.far[row * NTP__ROW_CELLS + b] = (uint8_t) n;
     counts.at.carried[row * NTP__ROW_CELLS + b] = (uint8_t) (n >> 8);
-    counts.at.often[row * NTP__ROW_CELLS + b] = (uint16_t) (n >> 16);
-    counts.at.row_seen[row] |= NTP__SEEN_QUARTERS | (n > 255 ? NTP__SEEN_CARRIED : 0) |
-                               (n > 65535 ? NTP__SEEN_OFTEN : 0);
+    counts.at.row_seen[row] |= NTP__SEEN_QUARTERS | (n > 255 ? NTP__SEEN_CARRIED : 0);
 }
 
 static void fill(int32_t row, int32_t kind, uint64_t *seed)
 {
     memset(&counts.at.far[row * NTP__ROW_CELLS], 0, 256);
     memset(&counts.at.carried[row * NTP__ROW_CELLS], 0, 256);
-    memset(&counts.at.often[row * NTP__ROW_CELLS], 0, 256 * sizeof counts.at.often[0]);
     memset(&counts.at.near[row * NTP__NEAR], 0, NTP__NEAR * sizeof counts.at.near[0]);
     counts.at.row_seen[row] = 0;
     for (int32_t b = 0; b < 256; b++) {
@@ -45,7 +42,7 @@ static void fill(int32_t row, int32_t kind, uint64_t *seed)
         if (kind == 0)
             put(row, b, 1);
         else if (kind == 1)
-            put(row, b, any == 0 ? 0 : 1 + (random_bits(seed) >> (12 + 4 * any)));
+            put(row, b, any == 0 ? 0 : 1 + (random_bits(seed) >> (16 + 4 * any)));
         else if (any < 2 && b % (row % 3 + 1) == 0)
             put(row, b, 1 + row % 2);
     }

@@ -15,6 +15,7 @@
 #endif
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <string.h>
 #ifdef __SSE2__
 #  include <emmintrin.h>
@@ -83,6 +84,15 @@ uint32_t ntp__find_row(ntp__color_counts *t, int32_t r, int32_t g)
                       rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
 }
 
+/* One copy for all calls. */
+#ifdef __GNUC__
+__attribute__((noinline))
+#endif
+void ntp__carry(ntp__cell_counts *counts, uint32_t cell)
+{
+    ntp__carry_inline(counts, cell);
+}
+
 /* A bit for each of 64 bytes that is not 0. */
 static inline uint64_t bytes_in_use(const uint8_t *bytes)
 {
@@ -127,18 +137,22 @@ int32_t ntp__row_cells(ntp__cells *cells, const ntp__color_counts *t, int32_t ro
             bits |= bytes_in_use(far + i);
             if (seen & NTP__SEEN_CARRIED)
                 bits |= bytes_in_use(carried + i);
-            for (int32_t k = 0; seen & NTP__SEEN_OFTEN && k < NTP__QUARTER; k++)
-                bits |= (uint64_t) (often[i + k] != 0) << k;
+            if (seen & NTP__SEEN_OFTEN) /* all of these */
+                bits = UINT64_MAX;
         }
         for (; bits != 0; bits &= bits - 1) {
             const int32_t blue = i + __builtin_ctzll(bits);
             const uint32_t place = (uint32_t) (blue - first);
+            uint32_t count = far[blue] + (place < NTP__NEAR ? near[place] : 0);
+            if (seen & NTP__SEEN_CARRIED)
+                count += (uint32_t) carried[blue] << 8;
+            if (seen & NTP__SEEN_OFTEN)
+                count += (uint32_t) often[blue] << 16;
             cells->blue[n] = blue;
-            cells->count[n++] = far[blue] + (place < NTP__NEAR ? near[place] : 0);
+            cells->count[n] = count;
+            n += count != 0;
         }
     }
-    for (int32_t i = 0; seen & NTP__SEEN_CARRIED && i < n; i++)
-        cells->count[i] += (uint32_t) carried[cells->blue[i]] << 8 | (uint32_t) often[cells->blue[i]] << 16;
     return n;
 }
 
@@ -347,12 +361,11 @@ void ntp__clear_cells(ntp__color_counts *t, int32_t most)
                 memset(&t->at.far[row * NTP__ROW_CELLS + i], 0, NTP__QUARTER);
         }
         if (seen[row] & NTP__SEEN_CARRIED)
-            memset(&t->at.carried[row * NTP__ROW_CELLS], 0, 256);
+            memset(&t->at.carried[row * NTP__ROW_CELLS], 0, NTP__ROW_CELLS);
         if (seen[row] & NTP__SEEN_OFTEN)
-            memset(&t->at.often[row * NTP__ROW_CELLS], 0, 256 * sizeof t->at.often[0]);
+            memset(&t->at.often[row * NTP__ROW_CELLS], 0, NTP__ROW_CELLS * sizeof t->at.often[0]);
     }
-    memset(seen, 0, sizeof t->at.row_seen);
-    memset(t->at.noted, 0, sizeof t->at.noted);
+    memset(&t->at, 0, offsetof(ntp__cell_counts, near));
     t->grouped = 0;
     t->mostly_far = 0;
 }

@@ -267,7 +267,7 @@ static inline int32_t keep(int32_t *blues, uint32_t *counts, __m512i blue, __m51
     const __mmask16 some = _mm512_test_epi32_mask(count, count);
     store(blues, _mm512_maskz_compress_epi32(some, blue));
     store(counts, _mm512_maskz_compress_epi32(some, count));
-    return __builtin_popcount(some);
+    return __builtin_popcountll(some); /* that of 16 bits is slow */
 }
 
 static inline __m512i sixteen_bytes(const uint8_t *bytes)
@@ -275,7 +275,7 @@ static inline __m512i sixteen_bytes(const uint8_t *bytes)
     return _mm512_cvtepu8_epi32(_mm_loadu_si128((const void *) bytes));
 }
 
-/* Reads a row; returns its number of colors. */
+/* Reads a row that is not noted as NTP__SEEN_OFTEN; returns its number of colors. */
 ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__color_counts *t,
                                  int32_t row)
 {
@@ -284,7 +284,6 @@ ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__co
     const uint32_t group = first / LANES_512 * 4;
     const uint8_t *const far = &t->at.far[row * NTP__ROW_CELLS];
     const uint8_t *const carried = &t->at.carried[row * NTP__ROW_CELLS];
-    const uint16_t *const often = &t->at.often[row * NTP__ROW_CELLS];
     const __m512i near = load(&t->at.near[row * NTP__NEAR]), steps = steps_of(1, 0);
     int32_t n = 0;
     if ((seen & NTP__SEEN_QUARTERS) == 0)
@@ -298,8 +297,6 @@ ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__co
         __m512i v = load(far + k * NTP__QUARTER);
         if (seen & NTP__SEEN_CARRIED)
             v = _mm512_or_si512(v, load(carried + k * NTP__QUARTER));
-        if (seen & NTP__SEEN_OFTEN) /* all of these */
-            v = all(1);
         const uint32_t its = _mm512_test_epi32_mask(v, v);
         left |= (uint64_t) its << 16 * k;
     }
@@ -314,12 +311,7 @@ ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__co
         if (seen & NTP__SEEN_QUARTER << b / NTP__QUARTER) {
             count = _mm512_add_epi32(count, sixteen_bytes(far + b));
             if (seen & NTP__SEEN_CARRIED)
-                count =
-                    _mm512_add_epi32(count, _mm512_slli_epi32(sixteen_bytes(carried + b), 8));
-            if (seen & NTP__SEEN_OFTEN) {
-                const __m256i more = _mm256_loadu_si256((const void *) (often + b));
-                count = _mm512_add_epi32(count, _mm512_slli_epi32(_mm512_cvtepu16_epi32(more), 16));
-            }
+                count = _mm512_add_epi32(count, _mm512_slli_epi32(sixteen_bytes(carried + b), 8));
         }
         n += keep(blues + n, counts + n, blue, count);
     }
@@ -328,6 +320,8 @@ ONE_COPY static int32_t read_row(int32_t *blues, uint32_t *counts, const ntp__co
 
 int32_t ntp__row_cells_avx512(ntp__cells *cells, const ntp__color_counts *counts, int32_t row)
 {
+    if (counts->at.row_seen[row] & NTP__SEEN_OFTEN)
+        return ntp__row_cells(cells, counts, row);
     const int32_t n = read_row(cells->blue, cells->count, counts, row);
     end_lanes();
     return n;
@@ -369,7 +363,8 @@ void ntp__add_colors_avx512(ntp__sums *sums, uint64_t blues[256], const ntp__col
     memset(&c.sums, 0, sizeof c.sums);
     for (int32_t row = 0; (row = ntp__next_row(counts->at.row_seen, row)) < NTP__ROWS; row++) {
         const int32_t pair = counts->row[row].pair, k1 = (pair & 255) - K, k2 = (pair >> 8) - K;
-        if (counts->at.row_seen[row] & NTP__SEEN_DENSE || !ntp__row_is_on_disc(counts, row))
+        if (counts->at.row_seen[row] & (NTP__SEEN_DENSE | NTP__SEEN_OFTEN) ||
+            !ntp__row_is_on_disc(counts, row))
             continue;
         const int32_t end = c.n + read_row(c.blue + c.n, c.count + c.n, counts, row);
         for (; c.n < end; c.n += LANES_512)

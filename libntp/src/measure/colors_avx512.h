@@ -8,8 +8,8 @@
 #include "measure/color_counts.h"
 #include "measure/judged_sums.h"
 
-/* Adds the colors of all rows that are not too long, but for those noted as dense, with angles of the standard
- * encoding; and to blues[b] the texels of each blue b. */
+/* Adds the colors of all rows that are not too long, but for those noted as dense or as NTP__SEEN_OFTEN, with
+ * angles of the standard encoding; and to blues[b] the texels of each blue b. */
 void ntp__add_colors_avx512(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts);
 
 /* As ntp__row_cells. */

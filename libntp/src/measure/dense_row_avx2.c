@@ -430,14 +430,10 @@ ONE_COPY static void read_row(uint32_t count[256], const ntp__color_counts *coun
 {
     const uint8_t *const far = &counts->at.far[row * NTP__ROW_CELLS];
     const uint8_t *const carried = &counts->at.carried[row * NTP__ROW_CELLS];
-    const uint16_t *const often = &counts->at.often[row * NTP__ROW_CELLS];
-    const int32_t seen = counts->at.row_seen[row];
     for (int32_t b = 0; b < 256; b++)
         count[b] = far[b];
-    for (int32_t b = 0; seen & NTP__SEEN_CARRIED && b < 256; b++)
+    for (int32_t b = 0; counts->at.row_seen[row] & NTP__SEEN_CARRIED && b < 256; b++)
         count[b] += (uint32_t) carried[b] << 8;
-    for (int32_t b = 0; seen & NTP__SEEN_OFTEN && b < 256; b++)
-        count[b] += (uint32_t) often[b] << 16;
     ntp__merge_counts(count + counts->row[row].first, &counts->at.near[row * NTP__NEAR], NTP__NEAR);
 }
 
@@ -447,7 +443,8 @@ bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__co
     const int32_t pair = counts->row[row].pair;
     dense_row d;
     places p;
-    if (!is_dense(&counts->at.far[row * NTP__ROW_CELLS], least))
+    if (counts->at.row_seen[row] & NTP__SEEN_OFTEN ||
+        !is_dense(&counts->at.far[row * NTP__ROW_CELLS], least))
         return false;
     read_row(d.blue, counts, row);
     for (int32_t b = 0; b < 256; b++)

@@ -13,7 +13,7 @@ enum { NTP__DENSE = 96, NTP__DENSE_512 = 192 };
 
 /* Adds the colors of a row of 8 bit that is noted as far, with angles of the standard encoding; and to
  * blues[b] the texels of each blue b.  False: fewer than `least` cells, 1 to 256, hold counts that are not near
- * ones, and nothing is added. */
+ * ones, or one holds 65536 texels, and nothing is added. */
 bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts,
                              int32_t row, int32_t least);
 

@@ -405,8 +405,6 @@ static void count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *part, 
         far->at[far->n++] = cell;
         note_far(t, row, blue);
     }
-    if (far->n > 256)
-        end_far(t, far);
 }
 
 /* About how many of the colors that a kernel left have no near cell: one in some is looked up. */
@@ -446,6 +444,7 @@ static void count_packed8(ntp_tally *t, packed_counts *c, const uint8_t *p, int3
             look_up_packed(t, c, p, next, channels, ahead);
         p += channels * next;
         n -= done + next;
+        if (n == 0 || far.n > 256)
+            end_far(t, &far);
     }
-    end_far(t, &far);
 }

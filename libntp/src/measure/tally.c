@@ -66,7 +66,8 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
     quick = false;
 #endif
     for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++) {
-        const bool waits = quick && ntp__row_is_on_disc(&t->cells, row);
+        const bool waits = quick && !(t->cells.at.row_seen[row] & NTP__SEEN_OFTEN) &&
+                           ntp__row_is_on_disc(&t->cells, row);
 #ifdef NTP_HAVE_AVX2
         if (dense && add_dense_row(t, row, waits ? NTP__DENSE_512 : NTP__DENSE))
             continue;

@@ -8,7 +8,7 @@
  * A row has near cells, of the 16 blues around its derived one, and a cell for each blue.  A color
  * with a near cell may be counted in both of its cells.  Well-formed textures need the near ones
  * only.  The others are bytes, so that they stay in the cache and are quick to look through; what is
- * more than a byte holds is carried to a table that few textures need.
+ * more than a byte holds is carried to tables that few textures need.
  */
 #ifndef NTP_CELLS_H
 #define NTP_CELLS_H
@@ -31,7 +31,7 @@ enum {
  * far from exact, most of a row is neither read nor cleared. */
 enum {
     NTP__SEEN_NEAR = 1,
-    NTP__SEEN_OFTEN = 2,
+    NTP__SEEN_OFTEN = 2, /* 65536 texels or more in a cell */
     NTP__SEEN_CARRIED = 4,
     NTP__SEEN_DENSE = 8,
     NTP__SEEN_QUARTER = 16,
@@ -63,7 +63,7 @@ static inline uint32_t ntp__close8_of(uint32_t row, uint32_t blue)
 }
 
 /* Rows may be noted as far in blocks of eight, also those that hold nothing, until these are looked at:
- * a bit of each block says that it is noted.  The last block has all rows that are left. */
+ * a bit of each block says that it is noted.  The rows that are left are in the first blocks, too. */
 enum { NTP__BLOCK_SHIFT = 3, NTP__ROW_BLOCKS = 1024 };
 
 typedef struct ntp__cell_counts {
@@ -77,12 +77,11 @@ typedef struct ntp__cell_counts {
 
 static inline int32_t ntp__row_block(int32_t row)
 {
-    const int32_t block = row >> NTP__BLOCK_SHIFT, last = NTP__ROW_BLOCKS - 1;
-    return block < last ? block : last;
+    return row >> NTP__BLOCK_SHIFT & (NTP__ROW_BLOCKS - 1);
 }
 
-/* Adds 256 to a cell. */
-static inline void ntp__carry(ntp__cell_counts *counts, uint32_t cell)
+/* Adds 256 to a cell: for loops that a call would slow down. */
+static inline void ntp__carry_inline(ntp__cell_counts *counts, uint32_t cell)
 {
     uint8_t *const seen = &counts->row_seen[cell / NTP__ROW_CELLS];
     *seen |= NTP__SEEN_CARRIED;
@@ -91,6 +90,9 @@ static inline void ntp__carry(ntp__cell_counts *counts, uint32_t cell)
     counts->often[cell]++;
     *seen |= NTP__SEEN_OFTEN;
 }
+
+/* The same, elsewhere (measure/color_counts.c). */
+void ntp__carry(ntp__cell_counts *counts, uint32_t cell);
 
 /* Adds up to 256 to a cell that is not a near one, of a row that is noted as far. */
 static inline void ntp__count_far(ntp__cell_counts *counts, uint32_t cell, uint32_t count)

@@ -289,9 +289,10 @@ INLINE void note_rows(ntp__cell_counts *counts, const uint16_t *rows, int32_t n)
         counts->row_seen[rows[k]] |= NTP__SEEN_QUARTERS;
 }
 
+/* Registers that it leaves alone are not saved by its callers. */
 ONE_COPY static void carry(ntp__cell_counts *counts, uint32_t cell)
 {
-    ntp__carry(counts, cell);
+    ntp__carry_inline(counts, cell);
 }
 
 /* As ntp__count_far, of one. */

@@ -314,8 +314,8 @@ void ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close, 
 INLINE __mmask32 are_new(__m512i row, __m512i noted0, __m512i noted1)
 {
     const __m512i bits = _mm512_set1_epi64((long long) 0x8040201008040201);
-    const __m512i block = _mm512_min_epu16(_mm512_srli_epi16(row, NTP__BLOCK_SHIFT),
-                                           _mm512_set1_epi16(NTP__ROW_BLOCKS - 1));
+    const __m512i block = _mm512_srli_epi16(row, NTP__BLOCK_SHIFT);
+    /* of 128 bytes, which is all blocks */
     const __m512i byte = _mm512_permutex2var_epi8(noted0, _mm512_srli_epi16(block, 3), noted1);
     /* of the high bytes no bit */
     const __m512i which = _mm512_ternarylogic_epi64(block, _mm512_set1_epi16(7),
@@ -336,10 +336,11 @@ ONE_COPY static void note_blocks(ntp__cell_counts *counts, const uint16_t *rows,
             continue;
         }
         const int32_t block = ntp__row_block(rows[i + __builtin_ctz(new_ones)]);
-        const int32_t end = block == NTP__ROW_BLOCKS - 1 ? NTP__ROWS : (block + 1) * ROWS;
         counts->noted[block >> 3] |= (uint8_t) (1 << (block & 7));
-        for (int32_t k = block * ROWS; k < end; k++)
-            counts->row_seen[k] |= NTP__SEEN_QUARTERS;
+        for (int32_t first = block * ROWS; first < NTP__ROWS; first += NTP__ROW_BLOCKS * ROWS) {
+            for (int32_t k = first; k < first + ROWS && k < NTP__ROWS; k++)
+                counts->row_seen[k] |= NTP__SEEN_QUARTERS;
+        }
     }
 }
 
@@ -347,7 +348,7 @@ int32_t ntp__count_cells_avx512(ntp__cell_counts *counts, ntp__found8 *found, co
                                 int32_t n, int32_t channels, size_t ahead)
 {
     const layout at_src = layout_of(channels);
-    const bool hides = channels == 4 && !(found->used & NTP__CLEAR8);
+    const __mmask32 hidden = channels == 4 && !(found->used & NTP__CLEAR8) ? UINT32_MAX : 0;
     const __m512i low = _mm512_set1_epi16(255), by = _mm512_set1_epi32(1 << 16 | NTP__ROW_CELLS);
     const int32_t whole = n & -STEP;
     surveyed survey = begin_survey();
@@ -365,10 +366,8 @@ int32_t ntp__count_cells_avx512(ntp__cell_counts *counts, ntp__found8 *found, co
             _mm_prefetch((const char *) src + ahead + 64, _MM_HINT_T0);
             const taken t = take(&survey, src, &at_src);
             const __m512i k = k_of(t.rg), row = rows_of(t.rg, k, _mm512_testn_epi16_mask(k, k));
-            __mmask32 gray = are_gray(t), left_out = 0;
-            if (hides)
-                left_out = _mm512_cmple_epu16_mask(t.blue_alpha, low);
-            gray &= ~left_out;
+            __mmask32 left_out = hidden & _mm512_cmple_epu16_mask(t.blue_alpha, low);
+            const __mmask32 gray = are_gray(t) & ~left_out;
             if (gray != 0) {
                 __mmask32 black = 0, white = 0;
                 if (!(found->used & NTP__BLACK8))
@@ -419,14 +418,17 @@ void ntp__look_at_blocks_avx512(uint8_t seen[NTP__ROWS], const ntp__cell_counts 
 {
     for (int32_t row = 0; row < NTP__ROWS; row++) {
         const uint8_t *const far = &counts->far[row * NTP__ROW_CELLS];
+        uint32_t none = 0;
         if (counts->noted[ntp__row_block(row) >> 3] == 0) {
             row |= (8 << NTP__BLOCK_SHIFT) - 1; /* the last one of eight blocks */
             continue;
         }
-        for (int32_t i = 0; i < 4 && !(seen[row] & NTP__SEEN_CARRIED); i++) {
+        if (seen[row] & NTP__SEEN_CARRIED) /* a cell of 0 may hold some */
+            continue;
+        for (int32_t i = 4; i-- > 0;) {
             const __m512i v = _mm512_loadu_si512(far + i * NTP__QUARTER);
-            if (_mm512_test_epi64_mask(v, v) == 0)
-                seen[row] &= (uint8_t) ~(NTP__SEEN_QUARTER << i);
+            none += none + (_mm512_test_epi64_mask(v, v) == 0);
         }
+        seen[row] &= (uint8_t) ~(none * NTP__SEEN_QUARTER);
     }
 }
