@@ -84,15 +84,6 @@ uint32_t ntp__find_row(ntp__color_counts *t, int32_t r, int32_t g)
                       rest < 0 ? -1 : ntp__blue_of_rest(rest, 255, false));
 }
 
-/* One copy for all calls. */
-#ifdef __GNUC__
-__attribute__((noinline))
-#endif
-void ntp__carry(ntp__cell_counts *counts, uint32_t cell)
-{
-    ntp__carry_inline(counts, cell);
-}
-
 /* A bit for each of 64 bytes that is not 0. */
 static inline uint64_t bytes_in_use(const uint8_t *bytes)
 {
@@ -287,7 +278,7 @@ static void clear_close(ntp__color_counts *t, int32_t most)
 static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32_t most)
 {
 #ifdef NTP_HAVE_AVX512
-    if (t->grouped && ntp__cpu_has_avx512(NTP__CPU_ALL))
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
         ntp__look_at_blocks_avx512(seen, &t->at);
 #endif
     if (!t->unnoted)

@@ -444,7 +444,7 @@ static void count_packed8(ntp_tally *t, packed_counts *c, const uint8_t *p, int3
             look_up_packed(t, c, p, next, channels, ahead);
         p += channels * next;
         n -= done + next;
-        if (n == 0 || far.n > 256)
+        if (far.n > 256 || n == 0)
             end_far(t, &far);
     }
 }

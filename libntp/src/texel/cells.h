@@ -91,7 +91,7 @@ static inline void ntp__carry_inline(ntp__cell_counts *counts, uint32_t cell)
     *seen |= NTP__SEEN_OFTEN;
 }
 
-/* The same, elsewhere (measure/color_counts.c). */
+/* The same, as a call. */
 void ntp__carry(ntp__cell_counts *counts, uint32_t cell);
 
 /* Adds up to 256 to a cell that is not a near one, of a row that is noted as far. */

@@ -397,8 +397,10 @@ int32_t ntp__count_cells_avx512(ntp__cell_counts *counts, ntp__found8 *found, co
                 }
             } else if ((_mm512_cmpneq_epi32_mask(cells[0], first) |
                         _mm512_cmpneq_epi32_mask(cells[1], first)) == 0) {
-                ntp__count_far(counts, (uint32_t) _mm_cvtsi128_si32(_mm512_castsi512_si128(first)),
-                               STEP);
+                const uint32_t cell = (uint32_t) _mm_cvtsi128_si32(_mm512_castsi512_si128(first));
+                counts->far[cell] += STEP;
+                if (counts->far[cell] < STEP)
+                    ntp__carry_inline(counts, cell);
             } else {
                 _mm512_storeu_si512(at + waiting, cells[0]);
                 _mm512_storeu_si512(at + waiting + LANES_512, cells[1]);
