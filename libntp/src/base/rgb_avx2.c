@@ -8,6 +8,7 @@
  */
 #include "base/rgb_avx2.h"
 
+#include "base/inlining.h"
 #include "base/lanes_avx2.h"
 
 #include <immintrin.h>
@@ -30,7 +31,7 @@ static inline __m256i load_plane(const int32_t *plane)
 }
 
 /* A call: compilers make branches of copies of so few bytes, and these are at the ends of runs. */
-__attribute__((noinline)) static void copy(void *to, const void *from, size_t size)
+ONE_COPY static void copy(void *to, const void *from, size_t size)
 {
     memcpy(to, from, size);
 }

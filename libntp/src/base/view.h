@@ -12,6 +12,7 @@
  *   int128.h            signed integers of 128 bits
  *   bignum.h, bignum.c  natural numbers of up to 2048 bits
  *   cpu.h, cpu.c        picks loops with or without AVX2
+ *   inlining.h          what compilers are told about copies of code
  *
  * Operations on texels have one shape.  They check all arguments.  Then, for each row of the area
  * and each block of at most NTP__BLOCK texels, they unpack to planar levels, work, and pack.  So

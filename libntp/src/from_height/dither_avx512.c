@@ -12,6 +12,7 @@
  */
 #include "from_height/gradient.h"
 
+#include "base/inlining.h"
 #include "texel/level.h"
 
 #include <immintrin.h>
@@ -26,7 +27,6 @@ enum {
 
 #define HALF_M   127.5
 #define STEEPEST 1e6
-#define SELDOM   __attribute__((noinline, cold))
 #define ALL(v)   _mm512_set1_pd(v)
 #define ALL_F(v) _mm512_set1_ps(v)
 

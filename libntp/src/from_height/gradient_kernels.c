@@ -22,18 +22,11 @@
  */
 #include "from_height/gradient.h"
 
+#include "base/inlining.h"
 #include "texel/level.h"
 
 #include <math.h>
 #include <string.h>
-
-#if defined(__GNUC__)
-#  define ALWAYS_INLINE inline __attribute__((always_inline))
-#  define SELDOM        __attribute__((noinline, cold))
-#else
-#  define ALWAYS_INLINE inline
-#  define SELDOM
-#endif
 
 /* Sums of texel i of so many rows; taps of 0 are left out.  Integers are multiplied by constants, as
  * processors before AVX2 are slow to multiply them; doubles by numbers in registers. */

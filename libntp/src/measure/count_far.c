@@ -9,11 +9,11 @@
 #ifdef NTP_HAVE_AVX2
 
 /* Once in 256 times. */
-#  define SELDOM(condition) __builtin_expect(condition, 0)
+#  define UNLIKELY(condition) __builtin_expect(condition, 0)
 
 static inline void count_in(ntp__sums *sums, uint8_t *few, uint32_t word)
 {
-    if (SELDOM(++few[word] == 0))
+    if (UNLIKELY(++few[word] == 0))
         ((uint32_t *) (void *) sums)[word] += 256;
 }
 
@@ -24,7 +24,7 @@ static inline void count_one(ntp__sums *sums, ntp__far_counts *far, const ntp__f
     const uint64_t levels = at->words[i], angles = at->words[NTP__FAR_STEP + i];
     const uint32_t shape = at->shape[i] / LENGTHS;
     lengths_zz[at->shape[i] % LENGTHS]++;
-    if (SELDOM(++far->shapes[shape] == 0)) {
+    if (UNLIKELY(++far->shapes[shape] == 0)) {
         far->keys[shape / LENGTHS] += 256;
         sums->fit[0].lengths[shape % LENGTHS] += 256;
     }

@@ -17,18 +17,12 @@
  */
 #include "measure/dense_row_avx2.h"
 
+#include "base/inlining.h"
 #include "texel/angle_series.h"
 
 #include <immintrin.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* One copy for all calls: it would be copied into each. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#else
-#  define ONE_COPY
-#endif
 
 enum {
     M = 255,

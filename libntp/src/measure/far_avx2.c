@@ -15,6 +15,7 @@
  */
 #include "measure/far_words_tmpl.h"
 
+#include "base/inlining.h"
 #include "base/lanes_avx2.h"
 #include "texel/blue_avx2_tmpl.h"
 #include "texel/lengths_avx2_tmpl.h"
@@ -22,20 +23,6 @@
 
 #include <stddef.h>
 #include <string.h>
-
-/* One copy for all calls: it would be copied into each loop. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#else
-#  define ONE_COPY
-#endif
-
-/* What small code would call, with vectors in memory. */
-#ifdef __GNUC__
-#  define INLINE static inline __attribute__((always_inline))
-#else
-#  define INLINE static inline
-#endif
 
 enum { STEP = NTP__FAR_STEP / 2, ROOM = STEP + 8, OTHERS = STEP, ALL = 2 * STEP + 8 };
 
@@ -61,23 +48,23 @@ typedef struct far_lengths {
     __m256i sum, least, greatest, squares, of_padding;
 } far_lengths;
 
-INLINE __m256i eight(int32_t v)
+static ALWAYS_INLINE __m256i eight(int32_t v)
 {
     return _mm256_set1_epi32(v);
 }
 
-INLINE __m256i marked(__m256i mask, int32_t bits)
+static ALWAYS_INLINE __m256i marked(__m256i mask, int32_t bits)
 {
     return _mm256_and_si256(mask, eight(bits));
 }
 
-INLINE int mask_of(__m256i v)
+static ALWAYS_INLINE int mask_of(__m256i v)
 {
     return _mm256_movemask_ps(_mm256_castsi256_ps(v));
 }
 
 /* Of four numbers of 64 bits. */
-INLINE uint64_t sum_of_wide(__m256i v)
+static ALWAYS_INLINE uint64_t sum_of_wide(__m256i v)
 {
     const __m128i two = _mm_add_epi64(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
     return (uint64_t) _mm_cvtsi128_si64(_mm_add_epi64(two, _mm_unpackhi_epi64(two, two)));
@@ -119,7 +106,8 @@ static const uint8_t FRONT[16][16] = {
 };
 
 /* Appends the lanes of the mask to lists that are n long; returns how long they are then. */
-INLINE int32_t append(int32_t *const to[4], const __m256i from[4], int32_t n, int mask)
+static ALWAYS_INLINE int32_t append(int32_t *const to[4], const __m256i from[4], int32_t n,
+                                    int mask)
 {
     UNROLLED
     for (int half = 0; half < 2; half++, mask >>= 4) {
@@ -198,7 +186,7 @@ static inline __m256i key_of(const far_lanes *v)
     return _mm256_or_si256(key, marked(_mm256_cmpgt_epi32(v->h, v->e), NTP__KEY_ZZ_LONG));
 }
 
-INLINE __m256i add_squares(__m256i sums, __m256i v)
+static ALWAYS_INLINE __m256i add_squares(__m256i sums, __m256i v)
 {
     const __m256i odd = _mm256_srli_epi64(v, 32);
     return _mm256_add_epi64(sums,
@@ -286,7 +274,7 @@ static inline void note_lists(far_texels *f, const far_lanes *v, __m256i r, __m2
 }
 
 /* Two words for each of eight texels. */
-INLINE void put_two(uint64_t *to, __m256i v, __m256i w)
+static ALWAYS_INLINE void put_two(uint64_t *to, __m256i v, __m256i w)
 {
     store_eight(to, _mm256_unpacklo_epi32(v, w));
     store_eight(to + 4, _mm256_unpackhi_epi32(v, w));
@@ -377,7 +365,7 @@ typedef struct angles_of_kind {
     __m256i sum, greatest, texels;
 } angles_of_kind;
 
-INLINE void add_kind(angles_of_kind *k, __m256i angle, __m256i mask)
+static ALWAYS_INLINE void add_kind(angles_of_kind *k, __m256i angle, __m256i mask)
 {
     const __m256i its = _mm256_and_si256(angle, mask);
     k->sum = _mm256_add_epi32(k->sum, its);
@@ -395,7 +383,7 @@ ONE_COPY static void end_kind(uint64_t *texels, uint64_t *sum, uint64_t *max,
 }
 
 /* v / d of eight numbers below 2^28, where `by` is 2^shift / d, rounded up: as compilers have it. */
-INLINE __m256i divided(__m256i v, uint32_t by, int shift)
+static ALWAYS_INLINE __m256i divided(__m256i v, uint32_t by, int shift)
 {
     const __m256i factor = _mm256_set1_epi32((int32_t) by);
     const __m256i even = _mm256_srli_epi64(_mm256_mul_epu32(v, factor), shift);

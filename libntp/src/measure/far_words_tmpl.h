@@ -9,13 +9,6 @@
 
 #include <stddef.h>
 
-/* Before a loop of a few steps over registers. */
-#ifdef __GNUC__
-#  define UNROLLED _Pragma("GCC unroll 8")
-#else
-#  define UNROLLED
-#endif
-
 enum {
     M = 65535,
     K = 32768,

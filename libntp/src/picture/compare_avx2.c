@@ -15,17 +15,11 @@
  */
 #include "picture/compare_avx2.h"
 
+#include "base/inlining.h"
 #include "base/lanes_avx2.h"
 #include "picture/small_angles.h"
 
 #include <immintrin.h>
-
-/* One copy for all calls: it would be copied into each loop. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#else
-#  define ONE_COPY
-#endif
 
 enum { STEP = 8 /* texels */ };
 

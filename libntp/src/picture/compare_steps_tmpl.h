@@ -5,6 +5,8 @@
  * The file that includes it has STEP, the texels that its step8 and step16 take, and what these keep:
  * pairs and sums.  Pairs have n texels of a block, and `listed` bins that are to be counted in `bins`.
  */
+#include "base/inlining.h"
+
 #include <string.h>
 
 enum {
@@ -43,9 +45,8 @@ ONE_COPY static void count_rest(pairs *p)
 }
 
 /* Goes along whole steps, at least one, until the block is full; returns how many texels these are. */
-static inline __attribute__((always_inline)) int32_t take_whole(pairs *p, sums *sum,
-                                                                const uint8_t *a, const uint8_t *b,
-                                                                int32_t n, bool deep)
+static ALWAYS_INLINE int32_t take_whole(pairs *p, sums *sum, const uint8_t *a, const uint8_t *b,
+                                        int32_t n, bool deep)
 {
     const int32_t bytes = (deep ? 6 : 3) * STEP;
     int32_t i = 0;

@@ -8,17 +8,11 @@
  */
 #include "picture/paint_avx2.h"
 
+#include "base/inlining.h"
 #include "base/lanes_avx2.h"
 #include "texel/packed_avx2_tmpl.h"
 
 #include <string.h>
-
-/* One copy for all calls: it would be copied into each loop. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#else
-#  define ONE_COPY
-#endif
 
 enum { STEP = 8 /* texels */, SHOWN = 3 * STEP /* bytes */ };
 

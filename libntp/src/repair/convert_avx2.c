@@ -7,10 +7,11 @@
  */
 #include "repair/convert_avx2.h"
 
+#include "base/inlining.h"
 #include "texel/packed_avx2_tmpl.h"
 
 /* Of two depths: with these as arguments at run time loops take longer, by a fifth and more. */
-#define FOR_EACH_DEPTH __attribute__((always_inline)) static inline
+#define FOR_EACH_DEPTH static ALWAYS_INLINE
 
 enum { HALF = 8, STEP = 16 /* texels */, READ_BEYOND = 2 /* texels of 8 bit */ };
 

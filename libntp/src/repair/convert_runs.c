@@ -7,6 +7,7 @@
  */
 #include "base/cpu.h"
 #include "base/finite.h"
+#include "base/inlining.h"
 #include "repair/convert.h"
 #include "texel/direction.h"
 #include "texel/unused.h"
@@ -17,13 +18,6 @@
 
 #include <math.h>
 #include <string.h>
-
-/* What few textures have: a copy of its own, and small. */
-#if defined(__GNUC__)
-#  define SELDOM __attribute__((noinline, cold))
-#else
-#  define SELDOM
-#endif
 
 /* Blue by value, where source and target store z differently. */
 static void blues_by_value(const ntp__conversion *j, int32_t *restrict out,

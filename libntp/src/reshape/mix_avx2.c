@@ -26,6 +26,7 @@
 
 #include "base/lanes_avx2.h"
 #include "base/cpu.h"
+#include "base/inlining.h"
 #include "texel/level.h"
 #include "texel/packed_avx2_tmpl.h"
 
@@ -203,8 +204,7 @@ static void round_pairs(planes *p, int32_t n, const constants *c)
 }
 
 /* Eight texels with their blue; *bits: those that are left. */
-static inline __attribute__((always_inline)) texels finished(const planes *p, int32_t i,
-                                                             const constants *c, uint32_t *bits)
+static ALWAYS_INLINE texels finished(const planes *p, int32_t i, const constants *c, uint32_t *bits)
 {
     const __m256i pair = load_ints(p->pair + i);
     const __m256i zero = _mm256_set1_epi32((c->m + 1) / 2);

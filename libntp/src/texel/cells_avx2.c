@@ -7,32 +7,18 @@
  */
 #include "texel/cells_avx2.h"
 
+#include "base/inlining.h"
 #include "base/lanes_avx2.h"
 #include "texel/find_four_tmpl.h"
 
 #include <immintrin.h>
 #include <stdbool.h>
 
-/* One copy for all calls: it would be copied into each loop. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#else
-#  define ONE_COPY
-#endif
-
-/* What small code would call, with vectors in memory; and loops of four or eight, also there. */
-#ifdef __GNUC__
-#  define INLINE   static inline __attribute__((always_inline))
-#  define UNROLLED _Pragma("GCC unroll 8")
-#else
-#  define INLINE static inline
-#  define UNROLLED
-#endif
-
 enum { REST_8 = (255 * 255 - 5) / 4 /* e = REST_8 - k (k + 1) of red and green */ };
 
 /* Four texels from each of two places: their colors, with the alpha or 0 above. */
-INLINE __m256i load_colors(const uint8_t *first, const uint8_t *second, __m256i shuffle)
+static ALWAYS_INLINE __m256i load_colors(const uint8_t *first, const uint8_t *second,
+                                         __m256i shuffle)
 {
     const __m128i a = _mm_loadu_si128((const __m128i *) (const void *) first);
     const __m128i b = _mm_loadu_si128((const __m128i *) (const void *) second);
@@ -49,7 +35,7 @@ typedef struct layout8 {
     int32_t channels;
 } layout8;
 
-INLINE layout8 layout8_of(int32_t channels, bool hides)
+static ALWAYS_INLINE layout8 layout8_of(int32_t channels, bool hides)
 {
     layout8 l;
     l.channels = channels;
@@ -70,7 +56,8 @@ INLINE layout8 layout8_of(int32_t channels, bool hides)
 
 /* The reds and greens of 16 texels, and their blues with the alpha or 0 above.  The last load of packed RGB
  * begins four bytes early, to end with them. */
-INLINE void load_16(__m256i *pairs, __m256i *blues, const uint8_t *src, const layout8 *l)
+static ALWAYS_INLINE void load_16(__m256i *pairs, __m256i *blues, const uint8_t *src,
+                                  const layout8 *l)
 {
     const int32_t four = 4 * l->channels;
     const __m256i a = load_colors(src, src + 2 * four, l->first);
@@ -80,7 +67,7 @@ INLINE void load_16(__m256i *pairs, __m256i *blues, const uint8_t *src, const la
 }
 
 /* Which of them are unused for alpha 0; blue has none above it. */
-INLINE __m256i are_hidden(__m256i blues, __m256i blue, const layout8 *l)
+static ALWAYS_INLINE __m256i are_hidden(__m256i blues, __m256i blue, const layout8 *l)
 {
     return _mm256_cmpeq_epi16(_mm256_or_si256(blues, l->shown), blue);
 }
@@ -98,7 +85,7 @@ typedef struct surveyed8 {
     __m256i every; /* the bits that all have in blue and alpha */
 } surveyed8;
 
-INLINE __m256i plus_bytes(__m256i sums, __m256i bytes)
+static ALWAYS_INLINE __m256i plus_bytes(__m256i sums, __m256i bytes)
 {
     return _mm256_add_epi64(sums, _mm256_sad_epu8(bytes, _mm256_setzero_si256()));
 }
@@ -126,7 +113,7 @@ ONE_COPY static void survey_groups(surveyed8 *to, const uint8_t *src, int32_t n,
 }
 
 /* The greater ones of pairs and blues as texels of four channels. */
-INLINE void merge_greatest(uint8_t *to, __m256i pairs, __m256i blue)
+static ALWAYS_INLINE void merge_greatest(uint8_t *to, __m256i pairs, __m256i blue)
 {
     __m256i *const v = (__m256i *) (void *) to;
     const __m256i low = _mm256_unpacklo_epi16(pairs, blue),
@@ -154,14 +141,14 @@ ONE_COPY static void add_groups(ntp__packed_survey *to, const uint8_t *src, int3
 }
 
 /* Their k: as bytes, the lesser of v ^ 127 and v ^ 128. */
-INLINE __m256i k_of(__m256i bytes)
+static ALWAYS_INLINE __m256i k_of(__m256i bytes)
 {
     return _mm256_min_epu8(_mm256_xor_si256(bytes, _mm256_set1_epi8(127)),
                            _mm256_xor_si256(bytes, _mm256_set1_epi8(-128)));
 }
 
 /* The rows of 16 pairs of bytes; k are the k of red and green. */
-INLINE __m256i row_words(__m256i pairs, __m256i k)
+static ALWAYS_INLINE __m256i row_words(__m256i pairs, __m256i k)
 {
     enum { FLAT = NTP__ROWS - NTP__FLAT_ROWS - (127 + 2 * 127) };
     const __m256i p = _mm256_and_si256(k, _mm256_set1_epi16(255)), q = _mm256_srli_epi16(k, 8);
@@ -175,7 +162,7 @@ INLINE __m256i row_words(__m256i pairs, __m256i k)
 }
 
 /* The low byte of each word, in both of its bytes. */
-INLINE __m256i twice_of(__m256i words)
+static ALWAYS_INLINE __m256i twice_of(__m256i words)
 {
     const __m128i low = _mm_setr_epi8(0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 10, 10, 12, 12, 14, 14);
     return _mm256_shuffle_epi8(words, _mm256_broadcastsi128_si256(low));
@@ -189,8 +176,8 @@ INLINE __m256i twice_of(__m256i words)
  * where blue is less than 128, so that it does not hold.  The sum is from -2^14 to 34,000: as unsigned
  * numbers, negative ones are above 2^15 too.
  */
-INLINE __m256i are_other(__m256i *rows, __m256i *places, __m256i *hidden, const uint8_t *src,
-                         const layout8 *l)
+static ALWAYS_INLINE __m256i are_other(__m256i *rows, __m256i *places, __m256i *hidden,
+                                       const uint8_t *src, const layout8 *l)
 {
     enum { MOVED = NTP__ROWS - NTP__FLAT_ROWS - NTP__CLOSE8_ROWS };
     __m256i pairs, blues;
@@ -216,14 +203,14 @@ INLINE __m256i are_other(__m256i *rows, __m256i *places, __m256i *hidden, const 
 }
 
 /* A bit for each of sixteen words with all bits set. */
-INLINE uint32_t lanes_of_words(__m256i words)
+static ALWAYS_INLINE uint32_t lanes_of_words(__m256i words)
 {
     const __m128i low = _mm256_castsi256_si128(words), high = _mm256_extracti128_si256(words, 1);
     return (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(low, high));
 }
 
 /* How many of sixteen words have all bits set. */
-INLINE uint32_t words_set(__m256i words)
+static ALWAYS_INLINE uint32_t words_set(__m256i words)
 {
     return (uint32_t) __builtin_popcount((uint32_t) _mm256_movemask_epi8(words)) / 2;
 }
@@ -283,7 +270,7 @@ typedef struct waiting8 {
     int32_t n;
 } waiting8;
 
-INLINE void note_rows(ntp__cell_counts *counts, const uint16_t *rows, int32_t n)
+static ALWAYS_INLINE void note_rows(ntp__cell_counts *counts, const uint16_t *rows, int32_t n)
 {
     for (int32_t k = 0; k < n; k++)
         counts->row_seen[rows[k]] |= NTP__SEEN_QUARTERS;
@@ -296,7 +283,7 @@ ONE_COPY static void carry(ntp__cell_counts *counts, uint32_t cell)
 }
 
 /* As ntp__count_far, of one. */
-INLINE void count_one(ntp__cell_counts *counts, uint32_t cell)
+static ALWAYS_INLINE void count_one(ntp__cell_counts *counts, uint32_t cell)
 {
     if (++counts->far[cell] == 0)
         carry(counts, cell);
@@ -332,13 +319,13 @@ ONE_COPY static void count_each(ntp__cell_counts *counts, waiting8 *w)
     w->n = 0;
 }
 
-INLINE bool all_set(__m256i bits)
+static ALWAYS_INLINE bool all_set(__m256i bits)
 {
     return _mm256_movemask_epi8(bits) == -1;
 }
 
 /* The numbers of the cells of texels 0 to 3 and 8 to 11, and of the others. */
-INLINE void cells_of(__m256i at[2], __m256i rows, __m256i blues)
+static ALWAYS_INLINE void cells_of(__m256i at[2], __m256i rows, __m256i blues)
 {
     const __m256i by = _mm256_set1_epi32(1 << 16 | NTP__ROW_CELLS);
     at[0] = _mm256_madd_epi16(_mm256_unpacklo_epi16(rows, blues), by);
@@ -347,7 +334,7 @@ INLINE void cells_of(__m256i at[2], __m256i rows, __m256i blues)
 
 /* Gray ones of a group: they are counted, and those among them that are unused for being black or white.
  * Returns which these are. */
-INLINE __m256i unused_grays(ntp__found8 *found, __m256i gray, __m256i pairs)
+static ALWAYS_INLINE __m256i unused_grays(ntp__found8 *found, __m256i gray, __m256i pairs)
 {
     const __m256i none = _mm256_setzero_si256(), all = _mm256_set1_epi8(-1);
     __m256i black = none, white = none;
@@ -421,7 +408,7 @@ int32_t ntp__count_cells_avx2(ntp__cell_counts *counts, ntp__found8 *found, cons
 }
 
 /* Alpha and green of eight texels in the disc; of two zeros the sum is greater. */
-INLINE uint32_t are_in_disc(__m256i texels)
+static ALWAYS_INLINE uint32_t are_in_disc(__m256i texels)
 {
     const __m256i from = _mm256_broadcastsi128_si256(
         _mm_setr_epi8(1, 3, -1, -1, 5, 7, -1, -1, 9, 11, -1, -1, 13, 15, -1, -1));

@@ -13,16 +13,12 @@
  */
 #include "texel/kernels_avx512.h"
 
+#include "base/inlining.h"
 #include "base/lanes_avx2.h"
 #include "texel/cells_avx2.h"
 #include "texel/packed_avx512_tmpl.h"
 
 #include <string.h>
-
-/* A loop of two steps, also where the compiler saves code. */
-#define UNROLLED _Pragma("GCC unroll 2")
-
-#define INLINE static inline __attribute__((always_inline))
 
 enum { STEP = 32, FLAT = NTP__ROWS - NTP__FLAT_ROWS };
 
@@ -97,7 +93,7 @@ typedef struct layout {
     int32_t second; /* where the second one begins: it ends with the texels */
 } layout;
 
-INLINE layout layout_of(int32_t channels)
+static ALWAYS_INLINE layout layout_of(int32_t channels)
 {
     const int32_t second = STEP * channels - 64;
     return (layout) { bytes_of(channels, 0, second), bytes_of(channels, 2, second),
@@ -109,7 +105,7 @@ typedef struct surveyed {
     __m512i least_rg, least_b, most_rg, most_b, sum_r, sum_g, sum_b, every;
 } surveyed;
 
-INLINE surveyed begin_survey(void)
+static ALWAYS_INLINE surveyed begin_survey(void)
 {
     const __m512i zero = _mm512_setzero_si512(), ones = _mm512_set1_epi8(-1);
     return (surveyed) { ones, ones, zero, zero, zero, zero, zero, ones };
@@ -120,7 +116,7 @@ typedef struct taken {
     __m512i rg, blue_alpha, b;
 } taken;
 
-INLINE taken take(surveyed *s, const uint8_t *src, const layout *l)
+static ALWAYS_INLINE taken take(surveyed *s, const uint8_t *src, const layout *l)
 {
     const __m512i v = _mm512_loadu_si512(src), w = _mm512_loadu_si512(src + l->second);
     const __m512i low = _mm512_set1_epi16(255);
@@ -154,7 +150,7 @@ ONE_COPY static void end_survey(ntp__packed_survey *to, const surveyed *s, int32
 }
 
 /* Which are gray. */
-INLINE __mmask32 are_gray(taken t)
+static ALWAYS_INLINE __mmask32 are_gray(taken t)
 {
     const __m512i twice =
         _mm512_broadcast_i32x4(_mm_setr_epi8(0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 10, 10, 12, 12, 14, 14));
@@ -162,14 +158,14 @@ INLINE __mmask32 are_gray(taken t)
 }
 
 /* The k of red and green. */
-INLINE __m512i k_of(__m512i rg)
+static ALWAYS_INLINE __m512i k_of(__m512i rg)
 {
     return _mm512_min_epu8(_mm512_xor_si512(rg, _mm512_set1_epi8(127)),
                            _mm512_xor_si512(rg, _mm512_set1_epi8(-128)));
 }
 
 /* Their rows; those in the middle are flat. */
-INLINE __m512i rows_of(__m512i rg, __m512i k, __mmask32 in_middle)
+static ALWAYS_INLINE __m512i rows_of(__m512i rg, __m512i k, __mmask32 in_middle)
 {
     const __m512i p = _mm512_and_si512(k, _mm512_set1_epi16(255)), q = _mm512_srli_epi16(k, 8);
     const __m512i k1 = _mm512_max_epi16(p, q), k2 = _mm512_min_epi16(p, q);
@@ -311,7 +307,7 @@ void ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close, 
 }
 
 /* Which of these rows are in blocks that are not noted. */
-INLINE __mmask32 are_new(__m512i row, __m512i noted0, __m512i noted1)
+static ALWAYS_INLINE __mmask32 are_new(__m512i row, __m512i noted0, __m512i noted1)
 {
     const __m512i bits = _mm512_set1_epi64((long long) 0x8040201008040201);
     const __m512i block = _mm512_srli_epi16(row, NTP__BLOCK_SHIFT);

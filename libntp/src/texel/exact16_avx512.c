@@ -15,10 +15,8 @@
  */
 #include "texel/kernels_avx512.h"
 
+#include "base/inlining.h"
 #include "texel/survey_avx512_tmpl.h"
-
-/* A loop of eight steps, also where the compiler saves code. */
-#define UNROLLED _Pragma("GCC unroll 8")
 
 enum { K = 32768, ROOM = NTP__EXACT_AT_ONCE + LANES_512, LIMIT = 16390 };
 

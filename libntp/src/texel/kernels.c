@@ -8,6 +8,7 @@
  */
 #include "texel/kernels.h"
 
+#include "base/inlining.h"
 #include "texel/angle.h"
 #include "texel/cells.h"
 #include "texel/judged.h"
@@ -19,23 +20,6 @@
 
 #define CONCAT_(a, b) a##b
 #define CONCAT(a, b)  CONCAT_(a, b)
-
-/* One copy for all calls, also for those with a constant n. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#else
-#  define ONE_COPY
-#endif
-
-/* For what is written once for two depths, or for three and four channels; and before a loop of a few
- * steps over registers, which is unrolled also where the compiler saves code. */
-#ifdef __GNUC__
-#  define ALWAYS_INLINE inline __attribute__((always_inline))
-#  define UNROLLED      _Pragma("GCC unroll 8")
-#else
-#  define ALWAYS_INLINE inline
-#  define UNROLLED
-#endif
 
 /* Loops in float for 8 bit beside those in double: not where they would only make the library greater
  * for processors from before 2013. */

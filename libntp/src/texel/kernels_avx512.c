@@ -13,9 +13,6 @@
 
 #include "texel/packed_avx512_tmpl.h"
 
-/* What is written once for two depths, also where the compiler saves code. */
-#define ALWAYS_INLINE inline __attribute__((always_inline))
-
 enum { STEP_BYTES = 48 };
 
 /* ------------------------------------------------------------------ over the length */

@@ -8,17 +8,12 @@
 #ifndef NTP_PACKED_AVX512_TMPL_H
 #define NTP_PACKED_AVX512_TMPL_H
 
+#include "base/inlining.h"
+
 #include <immintrin.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-/* One copy for all calls: it would be copied into each loop. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#else
-#  define ONE_COPY
-#endif
 
 enum { LANES_512 = 16 /* texels */ };
 

@@ -6,7 +6,7 @@
  */
 
 /* Squares and products of words add up to less than 2^29 in a lane. */
-INLINE __m256i plus_products(__m256i sums, __m256i a, __m256i b)
+static ALWAYS_INLINE __m256i plus_products(__m256i sums, __m256i a, __m256i b)
 {
     return _mm256_add_epi32(sums, _mm256_madd_epi16(a, b));
 }
@@ -22,13 +22,13 @@ ONE_COPY static void add_lanes(uint64_t to[3], const __m256i v[3])
 }
 
 /* Sums of bytes, in the low half of each lane, and of those in `across`, in the other half. */
-INLINE __m256i plus_steps(__m256i sums, __m256i bytes, __m256i across)
+static ALWAYS_INLINE __m256i plus_steps(__m256i sums, __m256i bytes, __m256i across)
 {
     const __m256i some = plus_bytes(_mm256_setzero_si256(), _mm256_and_si256(bytes, across));
     return plus_bytes(_mm256_add_epi64(sums, _mm256_slli_epi64(some, 32)), bytes);
 }
 
-INLINE __m256i between(__m256i a, __m256i b)
+static ALWAYS_INLINE __m256i between(__m256i a, __m256i b)
 {
     return _mm256_sub_epi8(_mm256_max_epu8(a, b), _mm256_min_epu8(a, b));
 }

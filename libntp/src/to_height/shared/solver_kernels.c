@@ -6,16 +6,11 @@
  */
 #include "to_height/shared/solver_kernels.h"
 
+#include "base/inlining.h"
 #include "base/view.h"
 
 #include <math.h>
 #include <string.h>
-
-#if defined(__GNUC__)
-#  define ALWAYS_INLINE inline __attribute__((always_inline))
-#else
-#  define ALWAYS_INLINE inline
-#endif
 
 enum {
     LANES = NTP__FFT_LANES,

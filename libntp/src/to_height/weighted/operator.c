@@ -9,22 +9,11 @@
  */
 #include "to_height/weighted/weighted.h"
 
+#include "base/inlining.h"
+
 #include <string.h>
 
 enum { NO_FLOWS = -2 };
-
-/* ONE_COPY: for a loop over a row, which gains nothing from a copy for each caller.  SELDOM: for what is
- * done at the ends of rows, and for the residual, which is made a few times in each solution. */
-#if defined(__GNUC__) && !defined(__clang__)
-#  define ONE_COPY __attribute__((noinline, noclone))
-#  define SELDOM   __attribute__((noinline, cold))
-#elif defined(__GNUC__)
-#  define ONE_COPY __attribute__((noinline))
-#  define SELDOM   __attribute__((noinline, cold))
-#else
-#  define ONE_COPY
-#  define SELDOM
-#endif
 
 /* ------------------------------------------------------------------------ rows of slopes */
 
