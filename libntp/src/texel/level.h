@@ -3,7 +3,7 @@
  * level.h - the exact arithmetic on the levels of one texel
  *
  * This room is the arithmetic of one normal, or of a run of them.
- *   level.h             derives blue, pulls onto the disc, judges and repairs one texel
+ *   level.h, .c         derives blue, pulls onto the disc, judges and repairs one texel
  *   kernels.h, .c       the same for runs of texels, fast, with the files that end in _tmpl.h,
  *                       root30.h, pick_kernels.c and, for AVX-512, kernels_avx512.h, .c,
  *                       cells_avx512.c, exact16_avx512.c
@@ -30,18 +30,12 @@
 #include <stdbool.h>
 
 /*
- * floor(sqrt(n)), exact.  The double nearest to n and its root are each off by less than one
- * part in 2^52, so the guess is off by one at most.
+ * floor(sqrt(n)), exact, of n < 2^52, which is a double.  Its root is at most k - 1/(2k) where n < k*k.  As
+ * k <= 2^26, that is not above k - 2^-27, which is a double too; so no root is rounded up to k.
  */
 static inline uint32_t ntp__isqrt(uint64_t n)
 {
-    double root = sqrt((double) n);
-    uint64_t r = root < 4294967295.0 ? (uint64_t) root : 4294967295u;
-    if (r * r > n)
-        r--;
-    else if (r < 4294967295u && (r + 1) * (r + 1) <= n)
-        r++;
-    return (uint32_t) r;
+    return (uint32_t) sqrt((double) (int64_t) n);
 }
 
 static inline int32_t ntp__abs(int32_t v)
@@ -79,42 +73,9 @@ static inline int32_t ntp__blue_of_rest(int64_t s, int32_t m, bool zzero)
     return (int32_t) ((ntp__isqrt((uint64_t) s) + (uint32_t) m + 1) / 2);
 }
 
-/*
- * Pulls a pair that is longer than 1 onto the disc.  Of the four pairs of levels around its
- * projection, it takes the one on the disc that reaches farthest in its direction.  ax, ay are |X|,
- * |Y|.  The caller puts the signs of X, Y back; before that, results can be -1.
- */
-static inline void ntp__pull_abs(int32_t *px, int32_t *py, int32_t ax, int32_t ay, int32_t m)
-{
-    uint64_t m2 = (uint64_t) m * (uint64_t) m;
-    uint64_t x2 = (uint64_t) ax * (uint64_t) ax, y2 = (uint64_t) ay * (uint64_t) ay;
-    int32_t ox = (int32_t) ntp__isqrt(m2 * x2 / (x2 + y2));
-    int32_t oy = (int32_t) ntp__isqrt(m2 * y2 / (x2 + y2));
-    ox = ox % 2 == 0 ? ox - 1 : ox;
-    oy = oy % 2 == 0 ? oy - 1 : oy;
-    *px = ox;
-    *py = oy;
-    if (ax == ay)
-        return;
-    int64_t best = (int64_t) ox * ax + (int64_t) oy * ay;
-    for (int32_t i = 1; i < 4; i++) {
-        int32_t x = ox + (i & 1) * 2, y = oy + (i & 2);
-        int64_t along = (int64_t) x * ax + (int64_t) y * ay;
-        if (ntp__sq(x) + ntp__sq(y) <= (int64_t) m2 && along > best) {
-            best = along;
-            *px = x;
-            *py = y;
-        }
-    }
-}
-
-static inline void ntp__pull(int32_t *r, int32_t *g, int32_t m)
-{
-    int32_t x = ntp__num(*r, m), y = ntp__num(*g, m), px, py;
-    ntp__pull_abs(&px, &py, ntp__abs(x), ntp__abs(y), m);
-    *r = ntp__level(x < 0 ? -px : px, m);
-    *g = ntp__level(y < 0 ? -py : py, m);
-}
+/* Pulls a pair that is longer than 1 onto the disc.  Of the four pairs of levels around its projection, it
+ * takes the one on the disc that reaches farthest in its direction. */
+void ntp__pull(int32_t *r, int32_t *g, int32_t m);
 
 /* The blue derived from r, g.  If they are too long, they are pulled first. */
 static inline int32_t ntp__derive(int32_t *r, int32_t *g, int32_t m, bool zzero)
