@@ -60,6 +60,32 @@ def test_vectors_that_cancel_each_other(m):
         assert np.array_equal(got, want), (off, strength)
 
 
+# Pairs of 8 bit that are close to a boundary, where a product of the blend has 25 bits: floats have 24.
+WIDE_PRODUCTS = [
+    ((20, 69, 253), (253, 145, 236)),
+    ((24, 141, 253), (254, 236, 242)),
+    ((35, 213, 243), (250, 81, 252)),
+    ((9, 87, 250), (255, 245, 195)),
+    ((10, 229, 254), (248, 23, 173)),
+    ((16, 63, 255), (249, 167, 215)),
+    ((2, 65, 251), (252, 166, 192)),
+    ((5, 199, 252), (255, 79, 199)),
+    ((4, 78, 253), (254, 255, 185)),
+    ((12, 245, 254), (250, 9, 161)),
+    ((5, 113, 243), (251, 38, 215)),
+    ((20, 24, 254), (254, 102, 239)),
+]  # fmt: skip
+
+
+def test_products_that_are_too_wide_for_floats():
+    pairs = np.array(WIDE_PRODUCTS, np.uint8)
+    base, detail = (np.ascontiguousarray(pairs[None, :, k]) for k in range(2))
+    got = blend(base, detail)
+    assert np.array_equal(
+        got, blend_by_model(base, detail, RNM, 1.0, (0, 0), (0, 0), (255, 255), 0)
+    )
+
+
 @pytest.mark.parametrize("mode", [RNM, WHITEOUT, UDN, LINEAR])
 def test_alpha_fades_the_detail(mode):
     for m, m2, e2, strength in (

@@ -17,10 +17,12 @@
  * 2^-33, and that by three times as much because the length is.  This is below 2^-16 levels.
  *
  * Of 8 bit, where that strength is 1 or -1, floats are as good.  They hold whole numbers up to 2^24, up
- * to twice that if these are even, and up to four times that if these are multiples of 4.  M is odd, and
- * so are all numerators; hence t.z, t.u and t.z M are even.  Where t.u is at most 2^17, all products
- * are whole: t.u times an odd number below 2^8, t.z M times such, and t.u t.z, a multiple of 4.  So
- * their sums are off by u at most, with the right sign.  All numbers of other modes are below 2^24.
+ * to twice that if these are even, and so on.  M is odd, and so are all numerators; hence t.z, t.u and
+ * t.z M are even, and t.u is below 2^18.  It is split into a multiple of 4 and a rest of -2, 0 or 2.
+ * Then all products are whole: the multiple of 4 times an odd number below 2^8 or times t.z, t.z M times
+ * such an odd number.  The sum of the last and of the rest times a component is even and at most
+ * 510 * 255^2 + 2 * 510, less than 2^25.  So vectors are rounded once, with the right sign.  All numbers
+ * of other modes are below 2^24.
  */
 #include "reshape/mix_avx2.h"
 
@@ -33,7 +35,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { HALF = 8, STEP = 16 /* texels */, MOST_PRODUCT = 1 << 17 };
+enum { HALF = 8, STEP = 16 /* texels */ };
 
 typedef struct constants {
     bool deep;
@@ -131,22 +133,13 @@ static void boost(planes *p, int32_t n, const ntp__mixing *j)
 #define MIXED        mixed_floats
 #define LOAD(from)   _mm256_loadu_ps(from)
 #define STORE(to, v) _mm256_storeu_ps(to, v)
+#define FOURS        0x1.8p25F /* numbers beside it are multiples of 4 */
 #include "reshape/mixed_tmpl.h"
-
-static void mix_doubles(ntp__mix_planes v, ntp__mix_planes base, ntp__mix_planes detail, int32_t n,
-                        const ntp__mix_terms *t)
-{
-    mixed_doubles(v, NULL, base, detail, n, t);
-}
 
 static void blend(planes *p, int32_t n, const ntp__mix_terms *how, const constants *c)
 {
-    const __m256 least_z = _mm256_set1_ps(c->least_z), most = _mm256_set1_ps(MOST_PRODUCT);
-    float product[NTP__BLOCK];
-    if (how->in_float)
-        mixed_floats(p->v, product, p->base, p->detail, n, how);
-    else
-        how->doubles(p->v, p->base, p->detail, n, how);
+    const __m256 least_z = _mm256_set1_ps(c->least_z);
+    how->mix(p->v, p->base, p->detail, n, how);
     for (int32_t i = 0; i < n; i += HALF) {
         /* A steep detail, reoriented on a steep base, can point below the horizon.  -0 does not. */
         const __m256 z = _mm256_add_ps(_mm256_loadu_ps(p->v[2] + i), _mm256_setzero_ps());
@@ -156,12 +149,8 @@ static void blend(planes *p, int32_t n, const ntp__mix_terms *how, const constan
             _mm256_srai_epi32(_mm256_castps_si256(_mm256_andnot_ps(either, z)), 31);
         const __m256 unsure = _mm256_cmp_ps(absolute(z), least_z, _CMP_LT_OQ);
         _mm256_storeu_ps(p->v[2] + i, _mm256_andnot_ps(_mm256_castsi256_ps(below), z));
-        __m256i left = _mm256_or_si256(load_ints(p->left + i), _mm256_castps_si256(unsure));
-        if (how->in_float)
-            left = _mm256_or_si256(
-                left, _mm256_castps_si256(
-                          _mm256_cmp_ps(absolute(_mm256_loadu_ps(product + i)), most, _CMP_GT_OQ)));
-        store_ints(p->left + i, left);
+        store_ints(p->left + i,
+                   _mm256_or_si256(load_ints(p->left + i), _mm256_castps_si256(unsure)));
     }
 }
 
@@ -249,23 +238,18 @@ static ntp__mix_terms terms_of(constants *c, const ntp__mixing *j)
     const double m = c->m, s = fabs(h->strength) < 1 ? 1 : fabs(h->strength);
     /* No component is more than M, and t.z is at most twice that: `size` in blend_kernels.c. */
     const double size = j->reoriented ? 96 * m * m * m * s : 9 * m * m * s;
-    ntp__mix_terms t = { h->strength,
-                         h->turn,
-                         m,
-                         h->base_z * m,
-                         h->detail_z * m,
-                         h->product,
-                         j->reoriented,
-                         j->exact && !c->deep,
-                         mix_doubles };
+    ntp__mix_terms t = { h->strength,   h->turn,      m, h->base_z * m, h->detail_z * m, h->product,
+                         j->reoriented, mixed_doubles };
     /* Whole numbers are exact, so only a length of 0 is in doubt. */
     c->rounding.less = j->exact ? 0 : 0x1p-16F;
     c->rounding.least2 = j->exact ? 0.5F : (float) (size * size * 0x1p-32);
     c->least_z = j->exact ? 0 : (float) (size * 0x1p-48);
 #ifdef NTP_HAVE_AVX512
     if (c->avx512)
-        t.doubles = ntp__mix_doubles_avx512;
+        t.mix = ntp__mix_doubles_avx512;
 #endif
+    if (j->exact && !c->deep)
+        t.mix = mixed_floats;
     return t;
 }
 

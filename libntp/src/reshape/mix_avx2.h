@@ -43,18 +43,18 @@ typedef float ntp__mix_planes[3][NTP__BLOCK + 16];
 
 typedef struct ntp__mix_terms ntp__mix_terms;
 
-/* n vectors of base and detail, blended in double. */
-typedef void ntp__mix_doubles_fn(ntp__mix_planes v, ntp__mix_planes base, ntp__mix_planes detail,
+/* n vectors of base and detail, blended in double, or in float. */
+typedef void ntp__mix_vectors_fn(ntp__mix_planes v, ntp__mix_planes base, ntp__mix_planes detail,
                                  int32_t n, const ntp__mix_terms *t);
 
 /* What a blend is made with, as in blend_kernels.h. */
 struct ntp__mix_terms {
     double strength, turn, m, base_z, detail_z, product;
-    bool reoriented, in_float;
-    ntp__mix_doubles_fn *doubles; /* unless in_float */
+    bool reoriented;
+    ntp__mix_vectors_fn *mix;
 };
 
-ntp__mix_doubles_fn ntp__mix_doubles_avx512;
+ntp__mix_vectors_fn ntp__mix_doubles_avx512;
 
 /* What vectors become, where floats decide their levels. */
 typedef struct ntp__mix_rounding {

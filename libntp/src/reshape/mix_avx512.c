@@ -21,7 +21,7 @@
 void ntp__mix_doubles_avx512(ntp__mix_planes v, ntp__mix_planes base, ntp__mix_planes detail,
                              int32_t n, const ntp__mix_terms *t)
 {
-    mixed(v, NULL, base, detail, n, t);
+    mixed(v, base, detail, n, t);
     end_lanes();
 }
 
