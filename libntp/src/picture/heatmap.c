@@ -141,6 +141,10 @@ static int32_t paint_rgb(const void *how, uint8_t *dst, uint8_t odd[NTP__BLOCK /
                          const void *src, int32_t n, bool deep)
 {
     const job *j = how;
+#  ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        return ntp__heat_rgb_avx512(dst, odd, src, n, deep, &j->limits);
+#  endif
     return ntp__heat_rgb_avx2(dst, odd, src, n, deep, &j->limits);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * paint_avx2.h - lit previews and heatmaps of packed RGB, with AVX2; the former with AVX-512, too
+ * paint_avx2.h - lit previews and heatmaps of packed RGB, with AVX2 and with AVX-512
  */
 #ifndef NTP_PAINT_AVX2_H
 #define NTP_PAINT_AVX2_H
@@ -17,7 +17,8 @@ typedef int32_t ntp__shade_rgb(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const 
 ntp__shade_rgb ntp__shade_rgb_avx2, ntp__shade_rgb_avx512;
 
 /* By the reference palette. */
-int32_t ntp__heat_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,
-                           bool deep, const ntp__limits *limits);
+typedef int32_t ntp__heat_rgb(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void *src, int32_t n,
+                              bool deep, const ntp__limits *limits);
+ntp__heat_rgb ntp__heat_rgb_avx2, ntp__heat_rgb_avx512;
 
 #endif
