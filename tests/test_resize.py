@@ -74,6 +74,18 @@ def test_against_fractions(filter, encoding, m):
                 assert got == [[t for t, _ in row] for row in want], (case, channels, touch)
 
 
+@pytest.mark.parametrize("step", [1, 257])  # 257: levels of 8 bit
+@pytest.mark.parametrize("filter", [BOX, TRIANGLE])
+def test_nearly_flat_texels_are_close_to_boundaries(filter, step):
+    """Of packed pixels, as many as loops take at once; their sums are whole numbers."""
+    rng = np.random.default_rng(step)
+    src = np.full((8, 160, 3), 65535, np.uint16)
+    src[..., :2] = step * (65536 // (2 * step) + rng.integers(-9, 10, (8, 160, 2)))
+    got = resize(src, (80, 4), filter, CLAMP).tolist()
+    want = resize_by_model(src.tolist(), 65535, (80, 4), filter, (CLAMP, CLAMP), "standard")
+    assert got == [[t for t, _ in row] for row in want]
+
+
 @pytest.mark.parametrize("m", TYPES)
 def test_lanczos_against_real_numbers(m):
     """Equal but where the double's value lies next to a rounding boundary."""

@@ -239,10 +239,17 @@ static void resize_samples(const job *j, ntp__block *out, int32_t i, int32_t x, 
     out->c[3][i] = clear ? 0 : ntp__i128_ratio(across(j, SUM_ALPHA, x), ntp__i128_of(one), j->m);
 }
 
+static void put_direction(const job *j, ntp__block *out, int32_t i, const ntp__i128 v[3])
+{
+    int32_t c[3] = { 0, 0, j->m };
+    ntp__direction_levels(c, v, j->m, j->src->encoding);
+    for (int32_t k = 0; k < 3; k++)
+        out->c[k][i] = c[k];
+}
+
 static void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x)
 {
     ntp__i128 v[3], weight = across(j, SUM_WEIGHT, x);
-    int32_t m = j->m, c[3] = { 0, 0, m };
     /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
     bool none = ntp__i128_is_zero(weight) || ntp__i128_negative(weight);
     for (int32_t k = 0; k < 3; k++)
@@ -250,9 +257,7 @@ static void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x)
     /* Lanczos overshoots.  A texel must not get a negative z when its sources have none. */
     if (ntp__i128_negative(v[2]) && !any_negative(j, x))
         v[2] = ntp__i128_of(0);
-    ntp__direction_levels(c, v, m, j->src->encoding);
-    for (int32_t k = 0; k < 3; k++)
-        out->c[k][i] = c[k];
+    put_direction(j, out, i, v);
 }
 
 /* The sums over the columns of texel x in double; whether they are too inexact.  Their errors are
@@ -317,8 +322,13 @@ static void columns_of(int32_t *first, int32_t *end, const ntp__axis *axis, int3
     }
 }
 
-/* Does texels of row y in doubt again, from the sums of their columns; of all if they are many.
- * The n texels are at[0].. of the strip (NULL: all). */
+static ntp__i128 sum_of(const ntp__vectors *v, int32_t k, int32_t i)
+{
+    return ntp__i128_of((int64_t) v->c[k][i]);
+}
+
+/* Does texels of row y in doubt again, from their vectors if these are exact, or from the sums of their
+ * columns; of all if they are many.  The n texels are at[0].. of the strip (NULL: all). */
 static void settle_strip(const job *j, ntp__block *out, const ntp__vectors *v, int32_t *doubt,
                          const int32_t *inexact, const int32_t *at, int32_t n,
                          const ntp_rect *strip, int32_t y)
@@ -330,16 +340,21 @@ static void settle_strip(const job *j, ntp__block *out, const ntp__vectors *v, i
         doubt[i] &= -(v->c[0][i] != 0 || v->c[1][i] != 0 || v->c[2][i] != 0);
         found += (doubt[i] | inexact[i]) != 0;
     }
-    const bool summed = found > 0 && at == NULL;
+    const bool exact = j->most < 0x1p53, summed = !exact && found > 0 && at == NULL;
     columns_of(&first, &end, &j->plan->x, strip->x0, strip->x1);
     if (summed)
         ntp__strip_columns(j, y);
-    else if (found > MANY)
+    else if (!exact && found > MANY)
         add_rows(j, y, first, end);
     for (int32_t i = 0; found > 0 && i < n; i++) {
         const int32_t x = strip->x0 + (at == NULL ? i : at[i]);
         if ((doubt[i] | inexact[i]) == 0)
             continue;
+        if (exact) {
+            put_direction(j, out, i,
+                          (ntp__i128[3]) { sum_of(v, 0, i), sum_of(v, 1, i), sum_of(v, 2, i) });
+            continue;
+        }
         columns_of(&first, &end, &j->plan->x, x, x + 1);
         if (!summed && found <= MANY)
             add_rows(j, y, first, end);
@@ -353,8 +368,7 @@ static void resize_strip_row(const job *j, const ntp_rect *strip, int32_t y)
     ntp__block out;
     ntp__vectors v;
     int32_t n = ntp__strip_packed(j, &v, inexact, at, y);
-    const bool whole = n < 0;
-    bool any = true;
+    bool whole = n < 0, any = true;
     if (n == 0)
         return;
     if (whole) {

@@ -6,8 +6,9 @@
  * integers below 2^24.  Else resize_strip.c says how far a component may be off, in the same units.
  *
  * The bound of directions, where u = 2^-24, E that error, and L the length of the vector.  Quotients
- * x/L are off by (1 + sqrt(3)) E/L at most.  The rest is as in directions_tmpl.h: they are off by
- * 6.5u of themselves besides.
+ * x/L are off by (1 + sqrt(3)) E/L at most.  The components are floats.  So the sum of their squares is
+ * off by 3u, the root by 2.5u, the factor by 3.5u, and the quotient by 4.5u of itself besides, less than
+ * 5u.
  */
 #include "reshape/resize_kernels.h"
 #include "texel/packed_avx2_tmpl.h"
@@ -292,8 +293,8 @@ static inline __m256i rounded(__m256 v, __m256 factor, __m256 error, __m256 *dou
     const __m256 a = _mm256_mul_ps(v, factor), sign = _mm256_set1_ps(-0.0F);
     const __m256 from =
         _mm256_sub_ps(a, _mm256_round_ps(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
-    const __m256 near =
-        _mm256_add_ps(_mm256_mul_ps(_mm256_andnot_ps(sign, a), _mm256_set1_ps(0x1p-21F)), error);
+    const __m256 near = _mm256_add_ps(
+        _mm256_mul_ps(_mm256_andnot_ps(sign, a), _mm256_set1_ps(5 * 0x1p-24F)), error);
     *doubt = _mm256_or_ps(*doubt, _mm256_cmp_ps(_mm256_andnot_ps(sign, from), near, _CMP_NGE_UQ));
     return _mm256_cvttps_epi32(_mm256_floor_ps(a));
 }

@@ -377,7 +377,8 @@ int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *in
     const int32_t found =
         ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), at, &p, s->n, error, j->m > 255,
                                   j->dst->encoding == NTP_ENCODING_ZZERO);
-    if (found > s->n / MANY) {
+    /* What floats hold is not summed again, however much of it is left. */
+    if (found > s->n / MANY && !s->in_floats) {
         s->pause = PAUSE;
         if (s->halved) {
             s->halved = false;
