@@ -185,7 +185,7 @@ static inline __m256i gray_of(__m256i rg, __m256i b, bool deep)
 }
 
 /* The first three bytes of 32 bits. */
-static inline void put_colors(uint8_t *d, __m256i color)
+__attribute__((always_inline)) static inline void put_colors(uint8_t *d, __m256i color)
 {
     const __m256i v = _mm256_shuffle_epi8(
         color, _mm256_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, N, N, N, N, N, N, N, N, 0,
@@ -276,7 +276,8 @@ ONE_COPY static const uint8_t *copy_last(ends *e, const uint8_t *s, int32_t left
     return memcpy(e->few, s, (size_t) bytes * (size_t) left);
 }
 
-static inline const uint8_t *source(ends *e, const uint8_t *s, int32_t left, int32_t bytes)
+__attribute__((always_inline)) static inline const uint8_t *source(ends *e, const uint8_t *s,
+                                                                   int32_t left, int32_t bytes)
 {
     return left < STEP ? copy_last(e, s, left, bytes) : s;
 }
@@ -335,4 +336,71 @@ int32_t ntp__heat_rgb_avx2(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const void
     }
     end_lanes();
     return found;
+}
+
+/* ---------------------------------------------------------------------------------- odd texels */
+
+/* Paints those of eight texels that are marked as unused, or `bright` if white. */
+static inline void paint_unused(uint8_t *d, const ntp__painter *p, __m256i unused, __m256i bright,
+                                int32_t x, int32_t y)
+{
+    int32_t four; /* of black texels two, and of white ones */
+    memcpy(&four, p->unused, sizeof four);
+    const __m256i grays = _mm256_cvtepu8_epi32(_mm_cvtsi32_si128(four));
+    const __m256i column =
+        _mm256_add_epi32(_mm256_set1_epi32(x), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    const __m256i field = _mm256_and_si256(
+        _mm256_add_epi32(_mm256_srli_epi32(column, 3), _mm256_set1_epi32(y / NTP__CHECKER)),
+        _mm256_set1_epi32(1));
+    const __m256i level = _mm256_permutevar8x32_epi32(
+        grays, _mm256_sub_epi32(field, _mm256_add_epi32(bright, bright)));
+    const __m256i gray = SHUFFLE(level, 0, 0, 0, N, 4, 4, 4, N, 8, 8, 8, N, 12, 12, 12, N);
+    const __m256i was = _mm256_shuffle_epi8(
+        load_two(d, d + 8), _mm256_setr_epi8(0, 1, 2, N, 3, 4, 5, N, 6, 7, 8, N, 9, 10, 11, N, 4, 5,
+                                             6, N, 7, 8, 9, N, 10, 11, 12, N, 13, 14, 15, N));
+    put_colors(d, _mm256_blendv_epi8(was, gray, unused));
+}
+
+void ntp__gather_odd_avx2(const ntp__painter *p, ntp__odd_texels *odd,
+                          const uint8_t bits[NTP__BLOCK / 8], int32_t x, int32_t y, int32_t n)
+{
+    const bool deep = p->src->type == NTP_TYPE_U16;
+    const int32_t bytes = deep ? 6 : 3, m = deep ? 65535 : 255;
+    const uint8_t *const from = (const uint8_t *) ntp__at(p->src, x, y);
+    uint8_t *const to = ntp__at_mut(p->dst, x, y);
+    /* No blue is -1. */
+    const __m256i black = _mm256_set1_epi32((p->touch_unused & NTP_UNUSED_BLACK) ? -1 : 0);
+    const __m256i white = _mm256_set1_epi32((p->touch_unused & NTP_UNUSED_WHITE) ? -1 : m);
+    ends e;
+    for (int32_t i = 0; i < n; i += STEP) {
+        if (bits[i / STEP] == 0)
+            continue;
+        const uint8_t *const s = source(&e, from + bytes * i, n - i, bytes);
+        uint8_t *const d = to + 3 * i;
+        const texels t = deep ? take16(s) : take_8(s);
+        const __m256i gray = _mm256_cmpeq_epi32(t.rg, either(t.b, _mm256_slli_epi32(t.b, 16)));
+        const __m256i bright = _mm256_and_si256(gray, _mm256_cmpeq_epi32(t.b, white));
+        const __m256i unused =
+            either(bright, _mm256_and_si256(gray, _mm256_cmpeq_epi32(t.b, black)));
+        uint32_t left = bits[i / STEP] & ~signs(unused);
+        if (left != bits[i / STEP]) {
+            const bool few = n - i < STEP;
+            if (few)
+                memcpy(e.shown, d, 3 * (size_t) (n - i));
+            paint_unused(few ? e.shown : d, p, unused, bright, x + i, y);
+            if (few)
+                memcpy(d, e.shown, 3 * (size_t) (n - i));
+        }
+        for (; left != 0; left &= left - 1) {
+            const int32_t k = __builtin_ctz(left);
+            uint16_t c[3] = { s[3 * k], s[3 * k + 1], s[3 * k + 2] };
+            if (deep)
+                memcpy(c, s + 6 * k, sizeof c);
+            for (int32_t q = 0; q < 3; q++)
+                odd->block.c[q][odd->n] = c[q];
+            odd->block.c[3][odd->n] = m;
+            odd->x[odd->n] = x + i + k;
+            odd->y[odd->n++] = y;
+        }
+    }
 }

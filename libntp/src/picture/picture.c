@@ -5,6 +5,7 @@
 #include "picture/picture.h"
 
 #include "base/cpu.h"
+#include "picture/paint_avx2.h"
 #include "picture/picture_kernels.h"
 #include "texel/level.h"
 
@@ -49,40 +50,12 @@ void ntp__pack_opaque(const ntp_image *dst, ntp__block *rgb, int32_t x, int32_t 
     ntp__pack(dst, rgb, x, y, n, dst->channels);
 }
 
-/* Adds those from x, y on of which bits are set, but for unused ones: these are painted.  Backgrounds are full of
- * them. */
-static void gather(const ntp__painter *p, ntp__odd_texels *odd, const uint8_t bits[NTP__BLOCK / 8],
-                   int32_t x, int32_t y, int32_t n)
-{
-    const int32_t m = ntp__max(p->src->type);
-    const void *const s = ntp__at(p->src, x, y);
-    uint8_t *const d = ntp__at_mut(p->dst, x, y);
-    for (int32_t i = 0; i < n; i++) {
-        if (bits[i / 8] == 0)
-            i |= 7;
-        if ((bits[i / 8] >> i % 8 & 1) == 0)
-            continue;
-        const uint8_t *const narrow = (const uint8_t *) s + 3 * i;
-        const uint16_t *const wide = (const uint16_t *) s + (m == 255 ? 0 : 3 * i);
-        const int32_t r = m == 255 ? narrow[0] : wide[0], g = m == 255 ? narrow[1] : wide[1],
-                      b = m == 255 ? narrow[2] : wide[2];
-        if (ntp__unused(r, g, b, m, m, p->touch_unused)) {
-            uint8_t *const pixel = d + 3 * i;
-            pixel[0] = pixel[1] = pixel[2] = p->unused[r != 0][ntp__checker(x + i, y)];
-            continue;
-        }
-        odd->block.c[0][odd->n] = r;
-        odd->block.c[1][odd->n] = g;
-        odd->block.c[2][odd->n] = b;
-        odd->block.c[3][odd->n] = m;
-        odd->x[odd->n] = x + i;
-        odd->y[odd->n++] = y;
-    }
-}
-
+#ifdef NTP_HAVE_AVX2
 static void paint_again(const ntp__painter *p, ntp__odd_texels *odd)
 {
     ntp__block out;
+    if (odd->n == 0)
+        return;
     ntp__fill_group(&odd->block, odd->n);
     odd->block.any_broken = false;
     p->again(p->job, &out, odd);
@@ -108,16 +81,18 @@ bool ntp__paint_packed(const ntp__painter *p, const ntp_rect *rect)
     for (int32_t y = rect->y0; y < rect->y1; y++) {
         for (int32_t x = rect->x0; x < rect->x1; x += NTP__BLOCK) {
             const int32_t n = rect->x1 - x < NTP__BLOCK ? rect->x1 - x : NTP__BLOCK;
-            const int32_t found = p->paint(p->job, ntp__at_mut(dst, x, y), bits, ntp__at(src, x, y),
-                                           n, src->type == NTP_TYPE_U16);
+            const bool deep = src->type == NTP_TYPE_U16;
+            const int32_t found =
+                p->paint(p->job, ntp__at_mut(dst, x, y), bits, ntp__at(src, x, y), n, deep);
             if (odd.n + found > NTP__BLOCK)
                 paint_again(p, &odd);
             if (found > 0)
-                gather(p, &odd, bits, x, y, n);
+                ntp__gather_odd_avx2(p, &odd, bits, x, y, n);
         }
         /* In a ring, other rows take the place of this one. */
-        if (odd.n > 0 && (dst->ring_rows > 0 || y + 1 == rect->y1))
+        if (dst->ring_rows > 0 || y + 1 == rect->y1)
             paint_again(p, &odd);
     }
     return true;
 }
+#endif

@@ -149,7 +149,8 @@ int32_t ntp__convert_rgb_avx2(const ntp__conversion *j, uint8_t *d, const uint8_
     if (standard)
         return j->ms < j->md ? widen(d, s, n) : narrow(d, s, n);
     if (!how.from_zzero && j->ms == j->md)
-        return j->ms > 255 ? to_zzero(d, s, n, true, negative) : to_zzero(d, s, n, false, negative);
+        return j->ms > 255 ? to_zzero(d, s, n, true, ntp__black_is_unused(j), negative)
+                           : to_zzero(d, s, n, false, ntp__black_is_unused(j), negative);
     if (j->ms < j->md)
         return convert(d, s, n, false, true, &how, negative);
     if (j->ms > j->md)

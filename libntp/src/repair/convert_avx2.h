@@ -17,6 +17,12 @@ typedef int32_t ntp__convert_rgb_fn(const ntp__conversion *j, uint8_t *d, const 
 
 ntp__convert_rgb_fn ntp__convert_rgb_avx2;
 
+/* All bits, where black texels hold no normal, or none. */
+static inline uint32_t ntp__black_is_unused(const ntp__conversion *j)
+{
+    return (j->how.touch_unused & NTP_UNUSED_BLACK) ? 0 : UINT32_MAX;
+}
+
 /* With AVX-512; the less common conversions are those of AVX2. */
 ntp__convert_rgb_fn ntp__convert_rgb_avx512;
 

@@ -117,7 +117,7 @@ static inline __m512i deep_root(__m512i with_2, __m512i above)
     return root_of(_mm512_add_epi32(_mm512_madd_epi16(with_2, by), above), true);
 }
 
-static int32_t widen(uint8_t *d, const uint8_t *s, int32_t n, uint64_t *negative)
+static int32_t widen(uint8_t *d, const uint8_t *s, int32_t n)
 {
     const __m512i two = _mm512_set1_epi16(2), zero = _mm512_setzero_si512();
     __m512i from[3];
@@ -137,20 +137,19 @@ static int32_t widen(uint8_t *d, const uint8_t *s, int32_t n, uint64_t *negative
             _mm512_storeu_si512(d + 64 * k,
                                 _mm512_permutex2var_epi8(load_32(s + STEP * k), from[k], z));
     }
-    (void) negative;
     return i;
 }
 
-static int32_t to_zzero_8(uint8_t *d, const uint8_t *s, int32_t n, uint64_t *negative)
+static int32_t to_zzero_8(uint8_t *d, const uint8_t *s, int32_t n, uint32_t unused,
+                          uint64_t *negative)
 {
     int32_t i = 0, up = 0; /* not in memory, where each step would wait for the one before */
     for (; i + STEP <= n; i += STEP, s += (ptrdiff_t) STEP * 3, d += (ptrdiff_t) STEP * 3) {
         step8 in = take_8(s);
         const __m512i any = _mm512_or_si512(in.rg, in.b);
-        if (_mm512_test_epi16_mask(any, any) != UINT32_MAX)
-            break;
-        const __m512i z = to_size(in.t, in.d, in.exact);
-        up += __builtin_popcount(_mm512_movepi16_mask(in.b));
+        const uint32_t black = _mm512_testn_epi16_mask(any, any) & unused;
+        const __m512i z = _mm512_maskz_mov_epi16(~black, to_size(in.t, in.d, in.exact));
+        up += __builtin_popcount(_mm512_movepi16_mask(in.b) | black);
         in.first = _mm512_mask_permutexvar_epi8(in.first, FIRST_BLUES, _mm512_loadu_si512(back), z);
         in.last = _mm512_mask_permutexvar_epi8(in.last, blues[2], load_32(back + 64), z);
         _mm512_storeu_si512(d, in.first);
@@ -205,7 +204,7 @@ static inline __m512i narrowed(__m512i c)
                               _mm512_set1_epi16((short) 0xff01));
 }
 
-static int32_t narrow(uint8_t *d, const uint8_t *s, int32_t n, uint64_t *negative)
+static int32_t narrow(uint8_t *d, const uint8_t *s, int32_t n)
 {
     const __m512i zero = _mm512_setzero_si512(), level = _mm512_set1_epi16(127);
     const __m512i odd =
@@ -227,11 +226,11 @@ static int32_t narrow(uint8_t *d, const uint8_t *s, int32_t n, uint64_t *negativ
         _mm256_storeu_si256((void *) (d + 64), _mm512_castsi512_si256(_mm512_permutex2var_epi8(
                                                    rg, load_32(back + 64), z)));
     }
-    (void) negative;
     return i;
 }
 
-static int32_t to_zzero_16(uint8_t *d, const uint8_t *s, int32_t n, uint64_t *negative)
+static int32_t to_zzero_16(uint8_t *d, const uint8_t *s, int32_t n, uint32_t unused,
+                           uint64_t *negative)
 {
     const __m512i evens = _mm512_slli_epi16(words_at(counted), 1);
     int32_t i = 0, up = 0;
@@ -239,11 +238,11 @@ static int32_t to_zzero_16(uint8_t *d, const uint8_t *s, int32_t n, uint64_t *ne
         const step16 in = take_16(s);
         const uint32_t low = _mm512_testn_epi32_mask(in.low, in.low);
         const uint32_t high = _mm512_testn_epi32_mask(in.high, in.high);
-        if ((_mm512_testn_epi16_mask(in.b, in.b) & (low | high << LANES_512)) != 0)
-            break;
-        const __m512i z =
-            to_size(in.t, _mm512_permutex2var_epi16(in.d_low, evens, in.d_high), in.exact);
-        up += __builtin_popcount(_mm512_movepi16_mask(in.b));
+        const uint32_t black =
+            _mm512_testn_epi16_mask(in.b, in.b) & (low | high << LANES_512) & unused;
+        const __m512i d_both = _mm512_permutex2var_epi16(in.d_low, evens, in.d_high);
+        const __m512i z = _mm512_maskz_mov_epi16(~black, to_size(in.t, d_both, in.exact));
+        up += __builtin_popcount(_mm512_movepi16_mask(in.b) | black);
         for (int k = 0; k < 3; k++)
             _mm512_storeu_si512(
                 d + (ptrdiff_t) 64 * k,
@@ -258,13 +257,14 @@ int32_t ntp__convert_rgb_avx512(const ntp__conversion *j, uint8_t *d, const uint
                                 uint64_t *negative)
 {
     const bool standard = j->dst->encoding == NTP_ENCODING_STANDARD, deep = j->ms > 255;
+    const uint32_t unused = ntp__black_is_unused(j);
     int32_t done = 0;
     if (j->src->encoding != NTP_ENCODING_STANDARD || (!standard && j->ms != j->md))
         return ntp__convert_rgb_avx2(j, d, s, n, negative);
-    if (deep)
-        done = (standard ? narrow : to_zzero_16)(d, s, n, negative);
+    if (standard)
+        done = (deep ? narrow : widen)(d, s, n);
     else
-        done = (standard ? widen : to_zzero_8)(d, s, n, negative);
+        done = (deep ? to_zzero_16 : to_zzero_8)(d, s, n, unused, negative);
     if (n - done < STEP)
         done += ntp__convert_rgb_avx2(j, d + (ptrdiff_t) (j->md > 255 ? 6 : 3) * done,
                                       s + (ptrdiff_t) (deep ? 6 : 3) * done, n - done, negative);

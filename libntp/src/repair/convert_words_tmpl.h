@@ -206,35 +206,40 @@ static inline __m256i zzero_of(__m256i t, __m256i d, __m256i exact, bool deep)
     return _mm256_add_epi16(_mm256_add_epi16(twice, one), _mm256_and_si256(more, exact));
 }
 
-/* Of 16 bit.  False, with nothing written, where a texel is black. */
-static inline bool deep_zzero_step(uint8_t *d, const uint8_t *s, uint64_t *up)
+static inline void count_up(__m256i up, __m256i black, uint64_t *bytes)
+{
+    const uint32_t bits = (uint32_t) _mm256_movemask_epi8(_mm256_or_si256(up, black));
+    *bytes += (uint64_t) __builtin_popcount(bits);
+}
+
+/* Of 16 bit.  Black ones stay so where these are `unused`. */
+static inline void deep_zzero_step(uint8_t *d, const uint8_t *s, __m256i unused, uint64_t *up)
 {
     const deep_words in = take_deep(s);
     const __m256i zero = _mm256_setzero_si256();
     const __m256i none =
         _mm256_packs_epi32(_mm256_cmpeq_epi32(in.low, zero), _mm256_cmpeq_epi32(in.high, zero));
-    if (!_mm256_testz_si256(none, _mm256_cmpeq_epi16(in.b, zero)))
-        return false;
-    *up += (uint64_t) __builtin_popcount((uint32_t) _mm256_movemask_epi8(in.up));
+    const __m256i black =
+        _mm256_and_si256(_mm256_and_si256(none, _mm256_cmpeq_epi16(in.b, zero)), unused);
+    count_up(in.up, black, up);
     /* Back to where blues lie in the three vectors. */
-    const __m256i z = SHUFFLE(zzero_of(in.t, in.d, exact_words(in.d, in.t), true), 4, 5, 10, 11, 0,
-                              1, 6, 7, 12, 13, 2, 3, 8, 9, 14, 15);
+    const __m256i sizes = zzero_of(in.t, in.d, exact_words(in.d, in.t), true);
+    const __m256i z = SHUFFLE(_mm256_andnot_si256(black, sizes), 4, 5, 10, 11, 0, 1, 6, 7, 12, 13,
+                              2, 3, 8, 9, 14, 15);
     store_two(d, d + 48, _mm256_blend_epi16(in.v[0], z, 0x24));
     store_two(d + 16, d + 64, _mm256_blend_epi16(in.v[1], z, 0x49));
     store_two(d + 32, d + 80, _mm256_blend_epi16(in.v[2], z, 0x92));
-    return true;
 }
 
-/* 8 bit, standard to Z-zero.  False, with nothing written, where a texel is black. */
-static inline bool zzero_step(uint8_t *d, const uint8_t *s, uint64_t *up)
+/* 8 bit, standard to Z-zero. */
+static inline void zzero_step(uint8_t *d, const uint8_t *s, __m256i unused, uint64_t *up)
 {
     byte_words in = take_bytes(s);
-    const __m256i black = _mm256_cmpeq_epi16(_mm256_or_si256(in.rg, in.b), _mm256_setzero_si256());
-    if (!_mm256_testz_si256(black, black))
-        return false;
-    *up += (uint64_t) __builtin_popcount((uint32_t) _mm256_movemask_epi8(in.up));
-    put_words(d, &in.low, &in.high, zzero_of(in.t, in.d, exact_words(in.d, in.t), false));
-    return true;
+    const __m256i none = _mm256_cmpeq_epi16(_mm256_or_si256(in.rg, in.b), _mm256_setzero_si256());
+    const __m256i black = _mm256_and_si256(none, unused);
+    const __m256i sizes = zzero_of(in.t, in.d, exact_words(in.d, in.t), false);
+    count_up(in.up, black, up);
+    put_words(d, &in.low, &in.high, _mm256_andnot_si256(black, sizes));
 }
 
 static int32_t widen(uint8_t *d, const uint8_t *s, int32_t n)
@@ -282,14 +287,14 @@ static int32_t narrow(uint8_t *d, const uint8_t *s, int32_t n)
 }
 
 FOR_EACH_DEPTH int32_t to_zzero(uint8_t *d, const uint8_t *s, int32_t n, bool deep,
-                                uint64_t *negative)
+                                uint32_t black_is_unused, uint64_t *negative)
 {
     const ptrdiff_t size = deep ? 6 : 3;
+    const __m256i unused = _mm256_set1_epi32((int32_t) black_is_unused);
     uint64_t up = 0; /* bytes; not in memory, where each step would wait for the one before */
     int32_t i = 0;
-    while (i + STEP <= n && (deep ? deep_zzero_step(d + size * i, s + size * i, &up)
-                                  : zzero_step(d + size * i, s + size * i, &up)))
-        i += STEP;
+    for (; i + STEP <= n; i += STEP)
+        (deep ? deep_zzero_step : zzero_step)(d + size * i, s + size * i, unused, &up);
     *negative += (uint64_t) i - up / 2;
     return i;
 }

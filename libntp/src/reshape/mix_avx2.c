@@ -43,6 +43,8 @@ typedef struct constants {
     float least_z; /* the least z that is sure */
     ntp__mix_rounding rounding;
     bool avx512;
+    float black,
+        white; /* what all numerators of texels without a normal are; NaN: these hold one */
 } constants;
 
 /* What a block becomes: vectors of any length; pairs of levels of x, y less that of 0; negative where a
@@ -51,6 +53,7 @@ typedef struct constants {
 typedef struct planes {
     ntp__mix_planes base, detail, v;
     int32_t pair[NTP__BLOCK], left[NTP__BLOCK + STEP];
+    bool any_kept, blends; /* may a texel stay as it is in the base?  is there a detail? */
 } planes;
 
 static inline __m256i load_ints(const int32_t *from)
@@ -76,15 +79,15 @@ static inline void put_numerators(float *to, __m256i level, __m256i m)
     _mm256_storeu_ps(to, _mm256_cvtepi32_ps(_mm256_sub_epi32(_mm256_slli_epi32(level, 1), m)));
 }
 
-/* Reads n texels of a row to place `at` of a block, and asks for those that follow.  Marks those of which
- * red and green are those of black or of white. */
-static void take(ntp__mix_planes to, int32_t *left, int32_t at, const uint8_t *s, int32_t n,
-                 const constants *c)
+/* Reads n texels of a row to place `at` of a block, and asks for those that follow.  Are red and
+ * green of one those of black or of white? */
+static bool take(ntp__mix_planes to, int32_t at, const uint8_t *s, int32_t n, const constants *c)
 {
     enum { READ = 10 /* texels at most, for eight */, FEW = 64 /* bytes */ };
     const ptrdiff_t size = c->deep ? 6 : 3;
     const __m256i m = _mm256_set1_epi32(c->m);
     const __m256i white = _mm256_or_si256(m, _mm256_slli_epi32(m, 16));
+    __m256i any = _mm256_setzero_si256();
     uint8_t few[FEW] = { 0 };
     for (int32_t i = 0; i < n; i += HALF, s += HALF * size) {
         const uint8_t *from = s;
@@ -99,8 +102,9 @@ static void take(ntp__mix_planes to, int32_t *left, int32_t at, const uint8_t *s
         put_numerators(to[0] + at + i, _mm256_and_si256(t.rg, _mm256_set1_epi32(65535)), m);
         put_numerators(to[1] + at + i, _mm256_srli_epi32(t.rg, 16), m);
         put_numerators(to[2] + at + i, t.b, m);
-        store_ints(left + at + i, _mm256_or_si256(load_ints(left + at + i), mark));
+        any = _mm256_or_si256(any, mark);
     }
+    return !_mm256_testz_si256(any, any);
 }
 
 /* ------------------------------------------------------------------------------------ vectors */
@@ -192,6 +196,39 @@ static void round_pairs(planes *p, int32_t n, const constants *c)
     }
 }
 
+/* Marks those of eight texels that hold no normal. */
+static inline __m256i unused_at(const ntp__mix_planes v, int32_t i, const constants *c)
+{
+    const __m256 x = _mm256_loadu_ps(v[0] + i), y = _mm256_loadu_ps(v[1] + i);
+    const __m256 z = _mm256_loadu_ps(v[2] + i);
+    const __m256 gray =
+        _mm256_and_ps(_mm256_cmp_ps(x, y, _CMP_EQ_OQ), _mm256_cmp_ps(x, z, _CMP_EQ_OQ));
+    const __m256 end = _mm256_or_ps(_mm256_cmp_ps(x, _mm256_set1_ps(c->black), _CMP_EQ_OQ),
+                                    _mm256_cmp_ps(x, _mm256_set1_ps(c->white), _CMP_EQ_OQ));
+    return _mm256_castps_si256(_mm256_and_ps(gray, end));
+}
+
+/* The levels of eight numerators. */
+static inline __m256i level_at(const float *from, const constants *c)
+{
+    const __m256i v = _mm256_cvtps_epi32(_mm256_loadu_ps(from));
+    return _mm256_srli_epi32(_mm256_add_epi32(v, _mm256_set1_epi32(c->m)), 1);
+}
+
+/* Puts back texels that stay as they are in the base, as one of both holds no normal; returns their bits.  Not copied into the loop, which few
+ * textures need it in. */
+__attribute__((noinline)) static uint32_t keep_base(texels *t, const planes *p, int32_t i,
+                                                    const constants *c)
+{
+    __m256i kept = unused_at(p->base, i, c);
+    if (p->blends)
+        kept = _mm256_or_si256(kept, unused_at(p->detail, i, c));
+    const __m256i g = _mm256_slli_epi32(level_at(p->base[1] + i, c), 16);
+    t->rg = _mm256_blendv_epi8(t->rg, _mm256_or_si256(level_at(p->base[0] + i, c), g), kept);
+    t->b = _mm256_blendv_epi8(t->b, level_at(p->base[2] + i, c), kept);
+    return (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(kept));
+}
+
 /* Eight texels with their blue; *bits: those that are left. */
 static ALWAYS_INLINE texels finished(const planes *p, int32_t i, const constants *c, uint32_t *bits)
 {
@@ -222,7 +259,14 @@ static int32_t put_levels(uint8_t *d, int32_t *at, planes *p, int32_t n, const c
         round_pairs(p, whole, c);
     for (int32_t i = 0; i < n; i += STEP) {
         uint32_t bits[2];
-        const texels t[2] = { finished(p, i, c, &bits[0]), finished(p, i + HALF, c, &bits[1]) };
+        texels t[2] = { finished(p, i, c, &bits[0]), finished(p, i + HALF, c, &bits[1]) };
+        if (p->any_kept) {
+            texels both[2] = { t[0], t[1] }; /* so that others need no memory */
+            bits[0] &= ~keep_base(&both[0], p, i, c);
+            bits[1] &= ~keep_base(&both[1], p, i + HALF, c);
+            t[0] = both[0];
+            t[1] = both[1];
+        }
         put_step(d, i, n, t, c->deep);
         found += add_places(at + found, i, n, bits);
     }
@@ -288,23 +332,18 @@ static void take_texel(ntp__block *b, int32_t i, ntp__mix_planes v, int32_t at, 
     b->c[3][i] = c->m;
 }
 
-/* Backgrounds are full of these. */
-static inline bool is_unused(const ntp__block *b, int32_t i, int32_t m, uint32_t touch)
-{
-    return ntp__unused(b->c[0][i], b->c[1][i], b->c[2][i], m, m, touch);
-}
-
 /* Takes n texels of both, of which the detail repeats. */
 static void take_block(planes *p, const ntp__mixing *j, int32_t x, int32_t y, int32_t n,
                        const constants *c)
 {
     const ntp_const_image *d = j->detail;
     memset(p->left, 0, sizeof p->left);
-    take(p->base, p->left, 0, ntp__at(j->base, x, y), n, c);
+    p->blends = d != NULL;
+    p->any_kept = take(p->base, 0, ntp__at(j->base, x, y), n, c);
     for (int32_t done = 0, some; d != NULL && done < n; done += some) {
         const int32_t column = (x + done) % d->width, beside = d->width - column;
         some = beside < n - done ? beside : n - done;
-        take(p->detail, p->left, done, ntp__at(d, column, y % d->height), some, c);
+        p->any_kept |= take(p->detail, done, ntp__at(d, column, y % d->height), some, c);
     }
 }
 
@@ -313,6 +352,8 @@ void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y)
     const int32_t m = ntp__max(j->dst->type);
     constants c = { .m = m,
                     .deep = j->dst->type == NTP_TYPE_U16,
+                    .black = (j->touch_unused & NTP_UNUSED_BLACK) ? NAN : (float) -m,
+                    .white = (j->touch_unused & NTP_UNUSED_WHITE) ? NAN : (float) m,
                     .rounding.half = 0.5F * (float) m,
                     .avx512 = ntp__cpu_has_avx512(NTP__CPU_ALL) };
     const ntp__mix_terms t = j->detail != NULL ? terms_of(&c, j) : (ntp__mix_terms) { .m = 0 };
@@ -336,11 +377,7 @@ void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y)
             take_texel(&w.base, w.n, p.base, at[i], &c);
             if (j->detail != NULL)
                 take_texel(&w.detail, w.n, p.detail, at[i], &c);
-            if (is_unused(&w.base, w.n, m, j->touch_unused) ||
-                (j->detail != NULL && is_unused(&w.detail, w.n, m, j->touch_unused)))
-                put_texel(row, w.at[w.n], &w.base, w.n, c.deep);
-            else
-                w.n++;
+            w.n++;
         }
     }
     settle(j, &w, row, c.deep);

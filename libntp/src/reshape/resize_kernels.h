@@ -59,6 +59,9 @@ void ntp__widen_avx2(float *to, const int16_t *from, int32_t n);
 bool ntp__place_halves_avx2(void *to, bool *negative, const void *src, int32_t n, bool deep,
                             bool zzero);
 
+/* Takes unused texels out of such runs, which become 0; are there any? */
+bool ntp__leave_out_halves_avx2(void *to, int32_t n, bool deep, bool zzero, uint32_t touch_unused);
+
 /* Runs of 1. */
 void ntp__fill_halves_avx2(void *to, bool deep);
 

@@ -26,12 +26,12 @@ void ntp__strip_forget(ntp__strip *s)
 }
 
 #ifdef NTP_HAVE_AVX2
-/* Takes out the packed pixels that are unused; returns whether one is. */
+/* Takes out the packed pixels that are unused, of a row without runs; returns whether one is. */
 static bool leave_out(const ntp__resize_job *j, char *to, const void *src, int32_t n)
 {
     const uint32_t touch = j->plan->how.touch_unused;
     const uint8_t *s = src;
-    const bool deep = j->src->type == NTP_TYPE_U16, halved = j->strip->halved;
+    const bool deep = j->src->type == NTP_TYPE_U16;
     const size_t size = deep ? sizeof(float) : sizeof(int16_t);
     bool any = false;
     for (int32_t i = 0; i < n; i++) {
@@ -42,10 +42,7 @@ static bool leave_out(const ntp__resize_job *j, char *to, const void *src, int32
         if ((c[0] != 0 && c[0] != j->m) || !ntp__unused(c[0], c[1], c[2], j->m, j->m, touch))
             continue;
         any = true;
-        if (!halved)
-            memset(to + 4 * size * (size_t) i, 0, 4 * size);
-        for (int32_t k = 0; halved && k < 4; k++)
-            memset(to + size * (size_t) ((2 * k + i % 2) * NTP__RUN + i / 2), 0, size);
+        memset(to + 4 * size * (size_t) i, 0, 4 * size);
     }
     return any;
 }
@@ -81,7 +78,9 @@ static void place_row(const ntp__resize_job *j, char *to, bool *negative, bool *
         ntp__fill_halves_avx2(to, deep);
     plain = s->halved ? ntp__place_halves_avx2(to, negative, from, n, deep, zzero)
                       : ntp__place_rgb_avx2(to, negative, from, n, deep, zzero);
-    *holes = !plain && leave_out(j, to, from, n);
+    *holes = !plain &&
+             (s->halved ? ntp__leave_out_halves_avx2(to, n, deep, zzero, j->plan->how.touch_unused)
+                        : leave_out(j, to, from, n));
 }
 #endif
 

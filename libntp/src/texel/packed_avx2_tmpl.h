@@ -29,7 +29,7 @@ static inline texels take8(const uint8_t *s)
     return t;
 }
 
-static inline texels take16(const uint8_t *s)
+__attribute__((always_inline)) static inline texels take16(const uint8_t *s)
 {
     const __m256i v = load_two(s, s + 24), w = load_two(s + 8, s + 32);
     const texels t = {
