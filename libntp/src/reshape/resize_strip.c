@@ -226,7 +226,8 @@ static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t 
                              int32_t row)
 {
     const double error = j->most < 0x1p53 ? 0 : j->most * j->strip->taps_x * 0x1p-52;
-    const double least = error * error * 0x1p80;
+    /* A component over the length is off by 2^-40, or 2^-32 of 8 bit: 2^-10 units of directions_tmpl.h. */
+    const double least = error * error * (j->m > 255 ? 0x1p80 : 0x1p64);
     int32_t found = 0;
     for (int32_t k = 0; k < n; k++) {
         const double x = v->c[0][k], y = v->c[1][k], z = v->c[2][k];
@@ -288,6 +289,18 @@ static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least
     return s->in_floats ? 0 : (float) (terms * u * (j->most * x->scale * y->scale));
 }
 
+/* Is the weight of texel i surely not above 0, given the sums of its columns?  Those of whole rows are rounded once,
+ * so they are 0 only if they are exactly so. */
+static bool is_surely_empty(const ntp__strip *s, float weight, float error, int32_t i)
+{
+    bool empty = error == 0 || (s->whole && s->halved) || weight < -error;
+    for (int32_t c = 0; empty && weight >= -error && error > 0 && c < s->taps_x; c++) {
+        const int32_t column = s->at[i] + c;
+        empty = s->sums_in_float[(6 + column % 2) * NTP__RUN + column / 2] == 0;
+    }
+    return empty;
+}
+
 /* Texels that are made of unused ones, or whose z is negative; makes red of the uncertain a NaN. */
 static void judge_planes(const ntp__resize_job *j, ntp__planes *p, const float least[4],
                          float error, const sources *from, int32_t y)
@@ -300,10 +313,12 @@ static void judge_planes(const ntp__resize_job *j, ntp__planes *p, const float l
     for (int32_t i = 0; i < j->strip->n; i++) {
         const float z = p->c[2][i];
         const bool empty = least[3] <= error && p->c[3][i] <= error;
-        if (error > 0 && (empty || fabsf(z) <= error)) {
+        if (empty && is_surely_empty(j->strip, p->c[3][i], error, i)) {
+            p->c[0][i] = p->c[1][i] =
+                1; /* that of a flat texel, which no error makes another one */
+            p->c[2][i] = (float) j->m;
+        } else if (error > 0 && (empty || fabsf(z) <= error)) {
             p->c[0][i] = NAN;
-        } else if (empty) {
-            p->c[0][i] = p->c[1][i] = p->c[2][i] = 0;
         } else {
             below[found] = i; /* without a branch, which noise takes at random */
             found += z < 0;
