@@ -51,7 +51,8 @@ typedef struct constants {
  * texel is left to the caller.  Each loop does one thing: while a processor waits for a root it does
  * others. */
 typedef struct planes {
-    ntp__mix_planes base, detail, v;
+    _Alignas(64) ntp__mix_planes base, detail,
+        v; /* lines of the cache, so that no load is of two */
     int32_t pair[NTP__BLOCK], left[NTP__BLOCK + STEP];
     bool any_kept, blends; /* may a texel stay as it is in the base?  is there a detail? */
 } planes;

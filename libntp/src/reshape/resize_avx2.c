@@ -290,36 +290,31 @@ static inline __m256i numbers_of(int32_t v, bool deep)
     return deep ? _mm256_castps_si256(_mm256_set1_ps((float) v)) : _mm256_set1_epi16((short) v);
 }
 
-static inline __m256i *at_run(void *to, int32_t run, ptrdiff_t byte, bool deep)
-{
-    return (void *) ((char *) to + run * NTP__RUN * (deep ? 4 : 2) + byte);
-}
-
 bool ntp__leave_out_halves_avx2(void *to, int32_t n, bool deep, bool zzero, uint32_t touch_unused)
 {
-    enum { BYTES = sizeof(__m256i) };
-    const int32_t m = deep ? 65535 : 255, bytes = n / 2 * (deep ? 4 : 2);
+    enum { BYTES = sizeof(__m256i), RUNS = 4 };
+    const int32_t m = deep ? 65535 : 255, size = deep ? 4 : 2, bytes = n / 2 * size;
+    const ptrdiff_t run = NTP__RUN * (ptrdiff_t) size;
     const __m256i high = numbers_of(m, deep), low = numbers_of(-m, deep);
     const __m256i flat = zzero ? _mm256_setzero_si256() : low;
     const __m256i black = _mm256_set1_epi8((touch_unused & NTP_UNUSED_BLACK) ? 0 : -1);
     const __m256i white = _mm256_set1_epi8((touch_unused & NTP_UNUSED_WHITE) ? 0 : -1);
     __m256i any = _mm256_setzero_si256();
-    for (int32_t odd = 0; odd < 2; odd++) {
-        for (int32_t i = 0; i < bytes; i += BYTES) {
-            const int32_t at = i + BYTES < bytes ? i : bytes - BYTES;
-            const __m256i x = _mm256_loadu_si256(at_run(to, odd, at, deep));
-            const __m256i y = _mm256_loadu_si256(at_run(to, odd + 2, at, deep));
-            const __m256i z = _mm256_loadu_si256(at_run(to, odd + 4, at, deep));
-            const __m256i least = _mm256_and_si256(same(x, low, deep), same(z, flat, deep));
-            const __m256i most = _mm256_and_si256(same(x, high, deep), same(z, high, deep));
-            const __m256i unused =
-                _mm256_and_si256(same(x, y, deep), _mm256_or_si256(_mm256_and_si256(least, black),
-                                                                   _mm256_and_si256(most, white)));
-            any = _mm256_or_si256(any, unused);
-            for (int32_t run = odd; run < 8; run += 2) {
-                __m256i *const v = at_run(to, run, at, deep);
-                _mm256_storeu_si256(v, _mm256_andnot_si256(unused, _mm256_loadu_si256(v)));
-            }
+    /* Those of even columns, then of odd ones; the last vector of both may overlap the one before. */
+    for (int32_t i = 0, odd = 0; odd < 2; i = i + BYTES < bytes ? i + BYTES : 0, odd += i == 0) {
+        char *at = (char *) to + odd * run + (i + BYTES < bytes ? i : bytes - BYTES);
+        const __m256i x = _mm256_loadu_si256((const void *) at);
+        const __m256i y = _mm256_loadu_si256((const void *) (at + 2 * run));
+        const __m256i z = _mm256_loadu_si256((const void *) (at + 4 * run));
+        const __m256i least = _mm256_and_si256(same(x, low, deep), same(z, flat, deep));
+        const __m256i most = _mm256_and_si256(same(x, high, deep), same(z, high, deep));
+        const __m256i unused =
+            _mm256_and_si256(same(x, y, deep), _mm256_or_si256(_mm256_and_si256(least, black),
+                                                               _mm256_and_si256(most, white)));
+        any = _mm256_or_si256(any, unused);
+        for (int32_t k = 0; k < RUNS; k++, at += 2 * run) {
+            const __m256i v = _mm256_loadu_si256((const void *) at);
+            _mm256_storeu_si256((void *) at, _mm256_andnot_si256(unused, v));
         }
     }
     return !_mm256_testz_si256(any, any);
