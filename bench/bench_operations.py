@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Times each operation in copies of the same picture: bench_operations.py [FILE...] [--size N]
+"""Times each operation in copies of the same picture: bench_operations.py [FILE...] [--size N] [--made]
 
 `./dev bench operations` runs it.  One copy is a memcpy of the picture as RGB8; the operation and
 the copy alternate in one run, on one thread and with `out=` given, and the median of the ratios of
@@ -7,12 +7,14 @@ their CPU times is printed.  Beside them stands what a careful program takes tha
 and OpenCV in float32, which is not exact.  `real` is the texture of the first FILE, and `slowest` is
 what the slowest of all FILEs takes.  `noise` are random levels, which should take no more than three
 times as long as that one.  Without FILE these are the large normals textures of the corpus, or one that
-is made like them.
+is made like them.  With --made the first one is mixed with black, white and other colors, in many patterns, and
+the worst of these pictures stands beside the slowest texture.
 """
 
 import argparse
 import csv
 import functools
+import itertools
 import os
 import statistics
 import sys
@@ -30,6 +32,13 @@ except ImportError:
 
 NOISE_GOAL = 3  # times as long as the slowest real texture
 LARGE = 1024  # texels on both sides, of those textures of the corpus that count
+COLORS = {
+    "black": (0, 0, 0),
+    "white": (255, 255, 255),
+    "down": (128, 128, 0),
+    "flat": (128, 128, 255),
+    "gray": (127, 127, 127),
+}
 HERE = Path(__file__).resolve().parent
 CORPUS = Path(os.environ.get("NTP_CORPUS", HERE.parents[1] / "shared" / "corpus"))
 REAL = CORPUS / "glTF-Sample-Assets-OLD" / "BoomBox_normal.png"
@@ -66,7 +75,8 @@ def tiled(texture, size):
 class Pictures:
     """All that the operations take, in one content."""
 
-    def __init__(self, size, rgb8):
+    def __init__(self, size, rgb8, drawn=None):
+        """drawn: the texels whose colors are the same at both depths."""
         rng = np.random.default_rng(2)
         shape = (size, size, 3)
         self.noise = rgb8 is None
@@ -80,6 +90,8 @@ class Pictures:
             finer = rng.random(shape, np.float32) * (2 / 255) - np.float32(1 / 255)
             self.vectors = nt.decode(rgb8) + finer
             self.rgb16 = nt.encode(self.vectors, depth=16, blue="nearest")
+            if drawn is not None:
+                self.rgb16[drawn] = rgb8[drawn] * np.uint16(257)
             self.height16 = (heights(size) * 65535 + 0.5).astype(np.uint16)
         self.rgba8 = np.dstack([self.rgb8, np.full((size, size), 255, np.uint8)])
         off = rng.integers(-4, 5, shape, np.int8)
@@ -404,6 +416,39 @@ def measured(args):
         yield name, real[name], slowest, noise[name], noise[name] / slowest, beside, goal
 
 
+def drawn_pictures(texture):
+    """(name, picture, where it is drawn): a texture mixed with each color, and colors with each other."""
+    size = len(texture)
+    y, x = np.mgrid[:size, :size]
+    dots = np.random.default_rng(3).random((size, size)) < 0.5
+    places = {"all": x >= 0, "half": x < size // 2, "dots": dots}
+    for n in (1, 4, 16, 64):
+        places[f"columns of {n}"] = x // n % 2 == 0
+        places[f"checkers of {n}"] = (x // n + y // n) % 2 == 0
+    for where, drawn in places.items():
+        for name, color in COLORS.items():
+            picture = np.where(drawn[..., None], np.uint8(color), texture)
+            yield f"{name}, {where}", picture, drawn
+    for one, other in itertools.combinations(COLORS, 2):
+        picture = np.where(dots[..., None], np.uint8(COLORS[one]), np.uint8(COLORS[other]))
+        yield f"{one} and {other}, dots", picture, places["all"]
+
+
+def print_made(args):
+    """The worst drawn picture of each row, in times of its slowest texture."""
+    first, slowest, worst = None, {}, {}
+    for texture in textures(args):
+        first = texture if first is None else first
+        for row, time_ in in_turn(Pictures(args.size, texture), args).items():
+            slowest[row] = max(time_, slowest.get(row, 0))
+    for name, picture, drawn in drawn_pictures(first):
+        for row, time_ in in_turn(Pictures(args.size, picture, drawn), args).items():
+            worst[row] = max((time_ / slowest[row], name), worst.get(row, (0, "")))
+    print(f"{'operation':44}{'slowest':>9}{'made/slowest':>14}")
+    for row, (ratio, name) in worst.items():
+        print(f"{row:44}{number(slowest[row]):>9}{number(ratio):>14}  {name}")
+
+
 def verdict(real, worst, beside, goal):
     words = ["over its goal"] if real > goal else []
     if worst > NOISE_GOAL:
@@ -420,9 +465,15 @@ def main():
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--only", default="", help="rows whose name contains this text")
     parser.add_argument("--markdown", action="store_true", help="the table of docs/performance.md")
+    parser.add_argument(
+        "--made", action="store_true", help="drawn pictures beside the slowest texture"
+    )
     args = parser.parse_args()
     if cv2 is not None:
         cv2.setNumThreads(1)
+    if args.made:
+        print_made(args)
+        return
     missed = 0
     line = (
         "| {} | {} | {} | {} | {} | {} | {} |"
