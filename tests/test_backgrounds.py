@@ -103,6 +103,27 @@ def test_clean_alpha(method, encoding, touch, m):
 
 @pytest.mark.parametrize("m", TYPES)
 @pytest.mark.parametrize("touch", TOUCH)
+def test_zzero(touch, m):
+    """Black stays black, and does not count as a negative z."""
+    how = ntp.ffi.new("ntp_convert_options *", {"touch_unused": touch})
+    for seed in range(3):
+        src = texture(m, seed)
+        got, want = np.zeros_like(src), np.zeros_like(src)
+        counts = ntp.ffi.new("ntp_convert_counts[2]")
+        for from_, dst, count in ((src, got, counts), (apart(src), want, counts + 1)):
+            view = ntp.view(from_, const=True)
+            ntp.check(ntp.lib.ntp_convert(ntp.view(dst, ntp.ZZERO), view, how, count, NULL))
+        assert np.array_equal(got, want)
+        used = ~oracle.unused(src, m, touch)
+        assert (
+            counts[0].z_negative == counts[1].z_negative == (used & (src[..., 2] <= m // 2)).sum()
+        )
+        black = ~src.any(-1)
+        assert (got[black] == (0, 0, m if touch & ntp.UNUSED_BLACK else 0)).all()
+
+
+@pytest.mark.parametrize("m", TYPES)
+@pytest.mark.parametrize("touch", TOUCH)
 def test_heatmap(touch, m):
     def paint(src):
         dst = np.zeros((*SIZE, 3), np.uint8)
@@ -153,11 +174,11 @@ def test_blend(mode, touch, m):
 
 
 @pytest.mark.parametrize("m", TYPES)
-@pytest.mark.parametrize("touch", (0, 7))
+@pytest.mark.parametrize("touch", TOUCH)
 @pytest.mark.parametrize("border", FILTERS)
 @pytest.mark.parametrize("filter", FILTERS)
 def test_resize(filter, border, touch, m):
-    def shrink(src, width, height):
+    def shrink(src, width, height, encoding=ntp.STANDARD):
         how = ntp.ffi.new("ntp_resize_options *", [filter, border, border, touch])
         sizes = SIZE[1], SIZE[0], width, height
         memory = ntp.aligned(ntp.lib.ntp_resize_plan_size(how, *sizes))
@@ -167,11 +188,12 @@ def test_resize(filter, border, touch, m):
         scratch = ntp.aligned(ntp.lib.ntp_resize_scratch_size(plan[0]))
         room = ntp.ffi.cast("void *", scratch.__array_interface__["data"][0])
         dst = np.zeros((height, width, src.shape[2]), src.dtype)
-        views = ntp.view(dst), ntp.view(src, const=True)
+        views = ntp.view(dst, encoding), ntp.view(src, encoding, const=True)
         ntp.check(ntp.lib.ntp_resize(*views, plan[0], room, len(scratch), NULL))
         return dst
 
     both(m, lambda src: shrink(src, SIZE[1] // 2, SIZE[0] // 2))
+    both(m, lambda src: shrink(src, SIZE[1] // 2, SIZE[0] // 2, ntp.ZZERO))
     both(m, lambda src: shrink(src, 217, 61))
 
 
