@@ -3,7 +3,7 @@
  * close_sums.c - adds 16-bit texels that are close to exact, as most are; close.h says which
  */
 #include "base/cpu.h"
-#include "texel/kernels.h"
+#include "texel/kernels_avx512.h"
 #include "measure/far_texels.h"
 #include "measure/judged_sums.h"
 
@@ -15,6 +15,15 @@ static void add_extremes(ntp__fit_sums *fit, uint32_t least, uint32_t greatest, 
     ntp__merge_max(&fit->length_max, greatest);
     ntp__merge_max(&fit->length_inverted_min, ~least);
     ntp__merge_max(&fit->levels_off_max, levels);
+}
+
+static ntp__count_close_fn *close_kernel(void)
+{
+#ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        return ntp__count_close_avx512;
+#endif
+    return ntp__kernels(NTP__CPU_ALL)->count_close;
 }
 
 #ifdef NTP_HAVE_AVX2
@@ -34,7 +43,7 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_co
     ntp__fit_sums *const zz = &sums->fit[1];
     ntp__close_block found;
     int32_t *const colors[3] = { block->c[0], block->c[1], block->c[2] };
-    ntp__count_close_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_close;
+    ntp__count_close_fn *const count = close_kernel();
     if (count == NULL) {
         ntp__add_block(sums, block, NULL, n, 65535, NTP_ENCODING_STANDARD);
         return;
@@ -54,10 +63,12 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_co
         zz->length_error2[0] += found.length_error2;
         add_extremes(zz, found.least, found.greatest, found.levels_off_max);
         sums->texels += (uint32_t) found.texels;
-        sums->angles.texels += (uint32_t) (found.texels - found.turned);
-        sums->angles.bins[0] += (uint32_t) (found.texels - found.turned);
-        for (int32_t i = 0; i < found.turned; i++)
-            ntp__angles_add(&sums->angles, (uint32_t) found.angle[i], 1);
+        sums->angles.texels += (uint32_t) found.texels;
+        sums->angles.sum += found.angle_sum;
+        if (found.angle_max > sums->angles.max)
+            sums->angles.max = found.angle_max;
+        for (int32_t k = 0; k < 3; k++)
+            sums->angles.bins[k] += (uint32_t) found.angle_bins[k];
     }
 #ifdef NTP_HAVE_AVX2
     if (!first)

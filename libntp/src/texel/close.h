@@ -12,6 +12,13 @@
 
 #include <stdint.h>
 
+/* Of t = a - A_M + 1 in the notation of judge_tmpl.h, which says how long a standard vector is. */
+enum {
+    NTP__CLOSE_T_ONE = -16382,   /* the least of length 65536 */
+    NTP__CLOSE_T_LONGER = 16385, /* and of 65537 */
+    NTP__CLOSE_T_MOST = 49149    /* of |t|, before other lengths */
+};
+
 /* The bits of a place in the standard counts, and in those of Z-zero. */
 enum {
     NTP__CLOSE_LENGTH = 3, /* the length in 1/65536, less 65535 */
@@ -67,9 +74,11 @@ typedef struct ntp__close_counts {
 
 /* What is known of the close texels of a block besides. */
 typedef struct ntp__close_block {
-    int32_t texels, turned; /* how many are close, and how many of these are not exact */
-    int32_t left;           /* how many are not, and wait at the front of the planes */
-    int32_t angle[256];     /* of those that are turned, as in ntp__judged */
+    int32_t texels; /* how many are close */
+    int32_t left;   /* how many are not, and wait at the front of the planes */
+    /* of angles in micro-degrees: none is more than 2/M, give or take a part in 10000 of that */
+    int32_t angle_bins[3];
+    uint32_t angle_sum, angle_max;
     /* as Z-zero: of lengths less 65536, in 1/65536; extremes of lengths */
     int32_t length_sum;
     uint64_t length_error2;

@@ -14,13 +14,7 @@
 
 #ifdef __AVX2__
 
-enum {
-    CLOSE_K = 32768,
-    CLOSE_AM = 32768 * 32767,
-    CLOSE_ONE = -16382,   /* the least t of length 65536 */
-    CLOSE_LONGER = 16385, /* and of 65537 */
-    CLOSE_MOST = 49149    /* of |t|, before other lengths */
-};
+enum { CLOSE_K = 32768, CLOSE_AM = 32768 * 32767 };
 
 /* Eight texels. */
 typedef struct close_lanes {
@@ -74,15 +68,16 @@ static inline close_lanes close_standard(__m256i r, __m256i g, __m256i b)
     const __m256i beyond = _mm256_abs_epi32(_mm256_add_epi32(t, eight(2)));
     const __m256i reach = _mm256_add_epi32(_mm256_add_epi32(z, z), z1);
     v.bad = _mm256_or_si256(e, _mm256_cmpgt_epi32(beyond, reach));
-    v.bad = _mm256_or_si256(v.bad, _mm256_cmpgt_epi32(off, eight(CLOSE_MOST)));
+    v.bad = _mm256_or_si256(v.bad, _mm256_cmpgt_epi32(off, eight(NTP__CLOSE_T_MOST)));
     v.inexact = _mm256_cmpgt_epi32(off, z);
     /* rounded: |t| <= k - 2 */
     const __m256i rounded = _mm256_cmpgt_epi32(_mm256_sub_epi32(k, one), off);
     const int32_t by = NTP__CLOSE_COPIES;
     v.at =
         _mm256_or_si256(_mm256_slli_epi32(steepness(xy), NTP__CLOSE_STEEP_BIT + 2), own_copies());
-    v.at = _mm256_add_epi32(v.at, marked(_mm256_cmpgt_epi32(t, eight(CLOSE_ONE - 1)), by));
-    v.at = _mm256_add_epi32(v.at, marked(_mm256_cmpgt_epi32(t, eight(CLOSE_LONGER - 1)), by));
+    v.at = _mm256_add_epi32(v.at, marked(_mm256_cmpgt_epi32(t, eight(NTP__CLOSE_T_ONE - 1)), by));
+    v.at =
+        _mm256_add_epi32(v.at, marked(_mm256_cmpgt_epi32(t, eight(NTP__CLOSE_T_LONGER - 1)), by));
     v.at = _mm256_or_si256(v.at, marked(_mm256_cmpgt_epi32(t, zero), by * NTP__CLOSE_LONG));
     v.at = _mm256_or_si256(v.at, marked(rounded, by * NTP__CLOSE_ROUNDED));
     v.at = _mm256_or_si256(v.at, marked(v.inexact, by * NTP__CLOSE_INEXACT));
@@ -234,6 +229,23 @@ static void count_places(ntp__close_counts *counts, uint32_t *levels_off, const 
     }
 }
 
+/* Whole lanes; what fills them up is 0. */
+static void sum_turned(ntp__close_block *out, const int32_t *angle, int32_t n)
+{
+    int32_t sum = 0, most = 0, from_1 = 0, from_2 = 0;
+    for (int32_t i = 0; i < n; i++) {
+        sum += angle[i];
+        most = angle[i] > most ? angle[i] : most;
+        from_1 += angle[i] >= 500;
+        from_2 += angle[i] >= 1500;
+    }
+    out->angle_sum = (uint32_t) sum;
+    out->angle_max = (uint32_t) most;
+    out->angle_bins[0] = out->texels - from_1;
+    out->angle_bins[1] = from_1 - from_2;
+    out->angle_bins[2] = from_2;
+}
+
 static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32_t *levels_off,
                         int32_t *const c[3], int32_t n)
 {
@@ -275,7 +287,6 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
             c[k][left] = c[k][i];
     }
     out->texels = texels;
-    out->turned = turned;
     out->left = left;
     /* squares are below 2^27, and there are 32 */
     out->length_sum = sum_of_eight(sum);
@@ -284,21 +295,22 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
     out->greatest = greatest_of_eight(greatest);
     out->levels_off_max = greatest_of_eight(most);
     count_places(counts, levels_off, &p, texels);
-    if (turned == 0)
-        return;
     for (i = turned; i % LANES != 0; i++) {
         p.xy[i] = p.blue[i] = p.want[i] = 0;
     }
-    judge_angles(out->angle, p.xy, p.blue, p.want, turned, 65535, 0);
+    /* Their places are not needed any more. */
+    int32_t *const angle = p.at;
+    judge_angles(angle, p.xy, p.blue, p.want, turned, 65535, 0);
     for (i = 0; i < turned; i++) {
-        if (out->angle[i] >= 0)
+        if (angle[i] >= 0)
             continue;
         const double z = 2.0 * p.blue[i] - 65535, w = 2.0 * p.want[i] - 65535;
         const double rho2 = 4.0 * p.xy[i] + 2.0;
-        out->angle[i] =
+        angle[i] =
             (int32_t) (ntp__radians(sqrt(rho2) * fabs(z - w), rho2 + z * w) * (180e6 / NTP__PI) +
                        0.5);
     }
+    sum_turned(out, angle, whole_lanes(turned + LANES - 1));
 }
 #else
 #  define count_close NULL

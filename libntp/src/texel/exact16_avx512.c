@@ -16,7 +16,10 @@
 #include "texel/kernels_avx512.h"
 
 #include "base/inlining.h"
+#include "texel/angle.h"
 #include "texel/survey_avx512_tmpl.h"
+
+#include <math.h>
 
 enum { K = 32768, ROOM = NTP__EXACT_AT_ONCE + LANES_512, LIMIT = 16390 };
 
@@ -170,6 +173,155 @@ ONE_COPY static void count_at(uint32_t *counts, const int32_t *at, int32_t n)
         UNROLLED
         for (int32_t k = 0; k < 8; k++)
             counts[at[i + k]]++;
+    }
+}
+
+/* Those of sixteen texels that are close, as close_standard() and close_zzero() in close_tmpl.h have it. */
+typedef struct close_lanes {
+    __mmask16 close, turned; /* turned: not exact, too */
+    __m512i at, at_zz, off;  /* places in the counts, and how far blue is from that of Z-zero */
+    __m512i longer;          /* the length in Z-zero, less 65536 */
+    __m512i z, e, t;
+} close_lanes;
+
+/* In floats: with rho = 2 sqrt(xy + 1/2), |z - z'| = 2 and d = rho^2 + z z', less than M^2/10000 from M^2, the
+ * angle is 2 rho/d, and 1/d is (2 - d/M^2)/M^2 to 1e-8 of it.  With six roundings, and those of what is added,
+ * this is off by less than 0x1p-11 micro-degrees.  Those in doubt are found again. */
+static inline __m512i turn_of(const close_lanes *v)
+{
+    const double m2 = 65535.0 * 65535.0, by = 4 * (180e6 / NTP__PI) / m2;
+    const float margin = 0x1p-10f;
+    const __m512i xy = minus(all(REST_16), v->e), t4 = _mm512_slli_epi32(v->t, 2);
+    const __m512i z4 = plus(_mm512_slli_epi32(v->z, 2), all(2));
+    /* d - M^2; z' is 2 less than z where t is positive */
+    const __mmask16 negative = _mm512_cmplt_epi32_mask(v->t, _mm512_setzero_si512());
+    const __m512i d =
+        _mm512_mask_add_epi32(minus(minus(t4, z4), all(2)), negative, plus(t4, z4), all(-2));
+    const __m512 half_rho =
+        _mm512_sqrt_ps(_mm512_add_ps(_mm512_cvtepi32_ps(xy), _mm512_set1_ps(0.5f)));
+    const __m512 factor = _mm512_fmadd_ps(_mm512_cvtepi32_ps(d), _mm512_set1_ps((float) (-by / m2)),
+                                          _mm512_set1_ps((float) by));
+    const __m512 up = _mm512_fmadd_ps(half_rho, factor, _mm512_set1_ps(0.5f - margin));
+    __m512i turn = _mm512_cvttps_epi32(up);
+    const __m512i other = _mm512_cvttps_epi32(_mm512_add_ps(up, _mm512_set1_ps(2 * margin)));
+    uint32_t doubt = _mm512_mask_cmpneq_epi32_mask(v->turned, turn, other);
+    if (doubt != 0) {
+        int32_t angles[LANES_512], pairs[LANES_512], along[LANES_512];
+        store(angles, turn);
+        store(pairs, xy);
+        store(along, d);
+        for (; doubt != 0; doubt &= doubt - 1) {
+            const int32_t i = __builtin_ctz(doubt);
+            angles[i] = (int32_t) (ntp__radians(2 * sqrt(4.0 * pairs[i] + 2.0), m2 + along[i]) *
+                                       (180e6 / NTP__PI) +
+                                   0.5);
+        }
+        turn = load(angles);
+    }
+    return turn;
+}
+
+static inline void judge_close(close_lanes *v, __m512i r, __m512i g, __m512i b, __mmask16 some)
+{
+    enum { BY = NTP__CLOSE_COPIES };
+    const __m512i ones = all(-1), p = _mm512_xor_si512(both_words(r, g), all((int32_t) 0x80008000));
+    const __m512i q = _mm512_xor_si512(p, _mm512_srai_epi16(p, 15));
+    const __m512i kxy = plus(_mm512_madd_epi16(q, all(0x00010001)), all(2));
+    const __m512i z = minus(b, all(K)), z1 = minus(b, all(K - 1));
+    const __m512i e = plus(all(REST_16), _mm512_madd_epi16(q, _mm512_xor_si512(q, ones)));
+    const __m512i t = minus(_mm512_mullo_epi32(z, z1), e), off = _mm512_abs_epi32(t);
+    const __m512i beyond = _mm512_abs_epi32(plus(t, all(2))), reach = plus(plus(z, z), z1);
+    some = _mm512_mask_cmple_epi32_mask(some, beyond, reach);
+    some = _mm512_mask_cmple_epi32_mask(some, off, all(NTP__CLOSE_T_MOST));
+    v->close = some = _mm512_mask_cmpgt_epi32_mask(some, e, ones);
+    v->turned = _mm512_mask_cmpgt_epi32_mask(some, off, z);
+    v->z = z;
+    v->t = t;
+    v->e = e;
+    const __m512i xy = minus(all(REST_16), e);
+    /* floor(64 xy / A_M), as in close_tmpl.h */
+    const __m512i steep = _mm512_srli_epi32(plus(xy, plus(_mm512_srli_epi32(xy, 15), all(1))), 24);
+    __m512i at = plus(_mm512_slli_epi32(steep, NTP__CLOSE_STEEP_BIT + 2), copies(BY));
+    at = plus_if(is_above(t, NTP__CLOSE_T_ONE - 1), at, BY);
+    at = plus_if(is_above(t, NTP__CLOSE_T_LONGER - 1), at, BY);
+    at = plus_if(is_above(t, 0), at, BY * NTP__CLOSE_LONG);
+    at = plus_if(_mm512_cmpgt_epi32_mask(plus(kxy, z), off), at, BY * NTP__CLOSE_ROUNDED);
+    v->at = plus_if(v->turned, at, BY * NTP__CLOSE_INEXACT);
+    /* z, or one less where t is positive, or one more */
+    const __m512i sign = _mm512_or_si512(_mm512_srai_epi32(t, 31), all(1));
+    const __m512i root = _mm512_mask_sub_epi32(z, v->turned, z, sign), twice = plus(root, root);
+    const __m512i d = minus(e, _mm512_madd_epi16(root, root)), d2 = plus(d, d);
+    __m512i want = twice;
+    want = plus_if(_mm512_cmpgt_epi32_mask(plus(d2, all(2)), root), want, 1);
+    want = plus_if(_mm512_cmpge_epi32_mask(d2, plus(twice, root)), want, 1);
+    v->off = _mm512_abs_epi32(minus(b, want));
+    const __m512i gap = minus(_mm512_mullo_epi32(b, b), _mm512_slli_epi32(e, 2));
+    const __m512i reach_zz = plus(b, _mm512_slli_epi32(kxy, 2));
+    /* Others are as (0, 0, 0) here. */
+    v->longer = longer_of(_mm512_maskz_mov_epi32(some, b), _mm512_maskz_mov_epi32(some, e));
+    const __m512i by512 = _mm512_srli_epi32(plus(v->longer, all(NTP__LENGTH_ONE)), 9);
+    at = plus(_mm512_slli_epi32(minus(by512, all(NTP__CLOSE_ZZ_SHORTEST)), 6), copies(BY));
+    at = plus_if(_mm512_cmpgt_epi32_mask(plus(reach_zz, reach_zz), plus(gap, all(13))), at,
+                 BY * NTP__CLOSE_ZZ_NEIGHBOR);
+    at = plus_if(_mm512_cmpgt_epi32_mask(reach_zz, plus(gap, all(3))), at,
+                 BY * NTP__CLOSE_ZZ_ROUNDED);
+    at = plus_if(_mm512_cmpeq_epi32_mask(b, want), at, BY * NTP__CLOSE_ZZ_EXACT);
+    v->at_zz = plus_if(is_above(gap, 3), at, BY * NTP__CLOSE_ZZ_LONG);
+}
+
+void ntp__count_close_avx512(ntp__close_block *out, ntp__close_counts *counts, uint32_t *levels_off,
+                             int32_t *const c[3], int32_t n)
+{
+    enum { ALL = NTP__BLOCK + LANES_512 };
+    int32_t at[ALL], at_zz[ALL], off[ALL], texels = 0, left = 0, from_1 = 0, from_2 = 0;
+    __m512i sum = _mm512_setzero_si512(), squares = sum, most = sum, turns = sum, widest = sum;
+    __m512i least = all(INT32_MAX), greatest = all(INT32_MIN);
+    for (int32_t i = 0; i < n; i += LANES_512) {
+        const __mmask16 some = n - i < LANES_512 ? (__mmask16) ((1U << (n - i)) - 1) : 0xFFFF;
+        const __m512i r = load(c[0] + i), g = load(c[1] + i), b = load(c[2] + i);
+        close_lanes v;
+        judge_close(&v, r, g, b, some);
+        const __mmask16 others = some & (__mmask16) ~v.close;
+        keep(c[0] + left, others, r);
+        keep(c[1] + left, others, g);
+        left += keep(c[2] + left, others, b);
+        if (v.turned != 0) {
+            const __m512i turn = _mm512_maskz_mov_epi32(v.turned, turn_of(&v));
+            turns = plus(turns, turn);
+            widest = _mm512_max_epi32(widest, turn);
+            from_1 += __builtin_popcount(is_above(turn, 499));
+            from_2 += __builtin_popcount(is_above(turn, 1499));
+        }
+        keep(at + texels, v.close, v.at);
+        keep(at_zz + texels, v.close, v.at_zz);
+        texels += keep(off + texels, v.close, v.off);
+        const __m512i longer = _mm512_maskz_mov_epi32(v.close, v.longer);
+        const __m512i size = _mm512_abs_epi32(longer);
+        sum = plus(sum, longer);
+        squares = plus(squares, _mm512_madd_epi16(size, size));
+        least = _mm512_mask_min_epi32(least, v.close, least, longer);
+        greatest = _mm512_mask_max_epi32(greatest, v.close, greatest, longer);
+        most = _mm512_mask_max_epi32(most, v.close, most, v.off);
+    }
+    out->texels = texels;
+    out->left = left;
+    if (texels == 0)
+        return;
+    out->angle_sum = (uint32_t) sum_of(&turns);
+    out->angle_max = greatest_of(&widest);
+    out->angle_bins[0] = texels - from_1;
+    out->angle_bins[1] = from_1 - from_2;
+    out->angle_bins[2] = from_2;
+    /* squares are below 2^27, and there are 16 of each lane */
+    out->length_sum = _mm512_reduce_add_epi32(sum);
+    out->length_error2 = sum_of(&squares);
+    out->least = (uint32_t) (NTP__LENGTH_ONE + _mm512_reduce_min_epi32(least));
+    out->greatest = (uint32_t) (NTP__LENGTH_ONE + _mm512_reduce_max_epi32(greatest));
+    out->levels_off_max = greatest_of(&most);
+    for (int32_t i = 0; i < texels; i++) {
+        (&counts->standard[0][0])[at[i]]++;
+        (&counts->zzero[0][0])[at_zz[i]]++;
+        levels_off[off[i]]++;
     }
 }
 

@@ -187,8 +187,8 @@ static int32_t place_far(far_sums *sums, exact_texels *v, int32_t *others, int32
         const __m256i longer = _mm256_sub_epi32(close_length(&between, g), eight(NTP__LENGTH_ONE));
         const __m256i bad = _mm256_or_si256(between, none);
         /* how many limits t has passed, negative */
-        __m256i passed = _mm256_add_epi32(_mm256_cmpgt_epi32(t, eight(CLOSE_ONE - 1)),
-                                          _mm256_cmpgt_epi32(t, eight(CLOSE_LONGER - 1)));
+        __m256i passed = _mm256_add_epi32(_mm256_cmpgt_epi32(t, eight(NTP__CLOSE_T_ONE - 1)),
+                                          _mm256_cmpgt_epi32(t, eight(NTP__CLOSE_T_LONGER - 1)));
         passed = _mm256_add_epi32(passed, _mm256_cmpgt_epi32(t, zero));
         __m256i off = _mm256_sub_epi32(eight(CLOSE_K - 1), z);
         off = _mm256_sub_epi32(off, _mm256_cmpgt_epi32(t2, z1));
