@@ -230,20 +230,22 @@ static void count_places(ntp__close_counts *counts, uint32_t *levels_off, const 
 }
 
 /* Whole lanes; what fills them up is 0. */
-static void sum_turned(ntp__close_block *out, const int32_t *angle, int32_t n)
+ONE_COPY static void sum_turned(ntp__close_block *out, const int32_t *angle, int32_t n)
 {
-    int32_t sum = 0, most = 0, from_1 = 0, from_2 = 0;
-    for (int32_t i = 0; i < n; i++) {
-        sum += angle[i];
-        most = angle[i] > most ? angle[i] : most;
-        from_1 += angle[i] >= 500;
-        from_2 += angle[i] >= 1500;
+    __m256i sum = _mm256_setzero_si256(), most = sum, from_1 = sum, from_2 = sum;
+    for (int32_t i = 0; i < n; i += 8) {
+        const __m256i turn = load_eight(angle + i);
+        sum = _mm256_add_epi32(sum, turn);
+        most = _mm256_max_epi32(most, turn);
+        from_1 = _mm256_sub_epi32(from_1, _mm256_cmpgt_epi32(turn, eight(499)));
+        from_2 = _mm256_sub_epi32(from_2, _mm256_cmpgt_epi32(turn, eight(1499)));
     }
-    out->angle_sum = (uint32_t) sum;
-    out->angle_max = (uint32_t) most;
-    out->angle_bins[0] = out->texels - from_1;
-    out->angle_bins[1] = from_1 - from_2;
-    out->angle_bins[2] = from_2;
+    const int32_t others = sum_of_eight(from_1);
+    out->angle_sum = (uint32_t) sum_of_eight(sum);
+    out->angle_max = greatest_of_eight(most);
+    out->angle_bins[2] = sum_of_eight(from_2);
+    out->angle_bins[1] = others - out->angle_bins[2];
+    out->angle_bins[0] = out->texels - others;
 }
 
 static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32_t *levels_off,

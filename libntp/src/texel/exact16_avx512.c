@@ -63,6 +63,12 @@ static inline int32_t keep(int32_t *to, __mmask16 these, __m512i v)
     return __builtin_popcount(these);
 }
 
+/* floor(64 xy / A_M), as in close_tmpl.h */
+static inline __m512i steepness(__m512i xy)
+{
+    return _mm512_srli_epi32(plus(xy, plus(_mm512_srli_epi32(xy, 15), all(1))), 24);
+}
+
 /* Low words of these, and those as high ones. */
 static inline __m512i both_words(__m512i low, __m512i high)
 {
@@ -139,9 +145,7 @@ static inline void place_far(exact_texels *to, int32_t n)
         const __m512i e = minus(_mm512_mullo_epi32(z, plus(z, all(1))), t);
         const __m512i longer = longer_of(plus(z, all(K)), e);
         const __m512i xy = minus(all(REST_16), e), t2 = plus(t, t);
-        /* floor(64 xy / A_M), as in close_tmpl.h */
-        const __m512i steep =
-            _mm512_srli_epi32(plus(xy, plus(_mm512_srli_epi32(xy, 15), all(1))), 24);
+        const __m512i steep = steepness(xy);
         __m512i off = minus(all(K - 1 + NTP__EXACT_LESS - 1), z);
         off = plus_if(_mm512_cmpgt_epi32_mask(t2, plus(z, all(1))), off, 1);
         off = plus_if(is_above(plus(t2, z), 0), off, 1);
@@ -180,7 +184,7 @@ ONE_COPY static void count_at(uint32_t *counts, const int32_t *at, int32_t n)
 typedef struct close_lanes {
     __mmask16 close, turned; /* turned: not exact, too */
     __m512i at, at_zz, off;  /* places in the counts, and how far blue is from that of Z-zero */
-    __m512i longer;          /* the length in Z-zero, less 65536 */
+    __m512i length;          /* in Z-zero */
     __m512i z, e, t;
 } close_lanes;
 
@@ -221,13 +225,30 @@ static inline __m512i turn_of(const close_lanes *v)
     return turn;
 }
 
+/* Twice as much, or one more. */
+static inline __m512i with_flag(__m512i v, __mmask16 flag)
+{
+    v = plus(v, v);
+    return _mm512_mask_sub_epi32(v, flag, v, all(-1));
+}
+
+static inline __m512i one_if(__mmask16 which, __m512i v)
+{
+    return _mm512_mask_sub_epi32(v, which, v, all(-1));
+}
+
+/* Places of four copies. */
+static inline __m512i with_copies(__m512i v)
+{
+    return plus(_mm512_slli_epi32(v, 2), copies(NTP__CLOSE_COPIES));
+}
+
 static inline void judge_close(close_lanes *v, __m512i r, __m512i g, __m512i b, __mmask16 some)
 {
-    enum { BY = NTP__CLOSE_COPIES };
     const __m512i ones = all(-1), p = _mm512_xor_si512(both_words(r, g), all((int32_t) 0x80008000));
     const __m512i q = _mm512_xor_si512(p, _mm512_srai_epi16(p, 15));
-    const __m512i kxy = plus(_mm512_madd_epi16(q, all(0x00010001)), all(2));
-    const __m512i z = minus(b, all(K)), z1 = minus(b, all(K - 1));
+    const __m512i sizes = _mm512_madd_epi16(q, all(0x00010001)); /* 2 less than half_up of both */
+    const __m512i z = minus(b, all(K)), z1 = minus(z, ones);
     const __m512i e = plus(all(REST_16), _mm512_madd_epi16(q, _mm512_xor_si512(q, ones)));
     const __m512i t = minus(_mm512_mullo_epi32(z, z1), e), off = _mm512_abs_epi32(t);
     const __m512i beyond = _mm512_abs_epi32(plus(t, all(2))), reach = plus(plus(z, z), z1);
@@ -238,44 +259,40 @@ static inline void judge_close(close_lanes *v, __m512i r, __m512i g, __m512i b, 
     v->z = z;
     v->t = t;
     v->e = e;
-    const __m512i xy = minus(all(REST_16), e);
-    /* floor(64 xy / A_M), as in close_tmpl.h */
-    const __m512i steep = _mm512_srli_epi32(plus(xy, plus(_mm512_srli_epi32(xy, 15), all(1))), 24);
-    __m512i at = plus(_mm512_slli_epi32(steep, NTP__CLOSE_STEEP_BIT + 2), copies(BY));
-    at = plus_if(is_above(t, NTP__CLOSE_T_ONE - 1), at, BY);
-    at = plus_if(is_above(t, NTP__CLOSE_T_LONGER - 1), at, BY);
-    at = plus_if(is_above(t, 0), at, BY * NTP__CLOSE_LONG);
-    at = plus_if(_mm512_cmpgt_epi32_mask(plus(kxy, z), off), at, BY * NTP__CLOSE_ROUNDED);
-    v->at = plus_if(v->turned, at, BY * NTP__CLOSE_INEXACT);
+    __m512i at = with_flag(steepness(minus(all(REST_16), e)), v->turned);
+    at = with_flag(at, _mm512_cmpgt_epi32_mask(plus(sizes, plus(z1, all(1))), off));
+    at = with_flag(at, is_above(t, 0));
+    at = _mm512_slli_epi32(at, 2);
+    at = one_if(is_above(t, NTP__CLOSE_T_ONE - 1), at);
+    v->at = with_copies(one_if(is_above(t, NTP__CLOSE_T_LONGER - 1), at));
     /* z, or one less where t is positive, or one more */
     const __m512i sign = _mm512_or_si512(_mm512_srai_epi32(t, 31), all(1));
     const __m512i root = _mm512_mask_sub_epi32(z, v->turned, z, sign), twice = plus(root, root);
     const __m512i d = minus(e, _mm512_madd_epi16(root, root)), d2 = plus(d, d);
-    __m512i want = twice;
-    want = plus_if(_mm512_cmpgt_epi32_mask(plus(d2, all(2)), root), want, 1);
-    want = plus_if(_mm512_cmpge_epi32_mask(d2, plus(twice, root)), want, 1);
+    __m512i want = one_if(_mm512_cmpgt_epi32_mask(plus(d2, all(2)), root), twice);
+    want = one_if(_mm512_cmpge_epi32_mask(d2, plus(twice, root)), want);
     v->off = _mm512_abs_epi32(minus(b, want));
-    const __m512i gap = minus(_mm512_mullo_epi32(b, b), _mm512_slli_epi32(e, 2));
-    const __m512i reach_zz = plus(b, _mm512_slli_epi32(kxy, 2));
+    const __m512i gap = plus(minus(_mm512_mullo_epi32(b, b), _mm512_slli_epi32(e, 2)), all(3));
+    const __m512i reach_zz = plus(plus(b, all(8)), _mm512_slli_epi32(sizes, 2));
     /* Others are as (0, 0, 0) here. */
-    v->longer = longer_of(_mm512_maskz_mov_epi32(some, b), _mm512_maskz_mov_epi32(some, e));
-    const __m512i by512 = _mm512_srli_epi32(plus(v->longer, all(NTP__LENGTH_ONE)), 9);
-    at = plus(_mm512_slli_epi32(minus(by512, all(NTP__CLOSE_ZZ_SHORTEST)), 6), copies(BY));
-    at = plus_if(_mm512_cmpgt_epi32_mask(plus(reach_zz, reach_zz), plus(gap, all(13))), at,
-                 BY * NTP__CLOSE_ZZ_NEIGHBOR);
-    at = plus_if(_mm512_cmpgt_epi32_mask(reach_zz, plus(gap, all(3))), at,
-                 BY * NTP__CLOSE_ZZ_ROUNDED);
-    at = plus_if(_mm512_cmpeq_epi32_mask(b, want), at, BY * NTP__CLOSE_ZZ_EXACT);
-    v->at_zz = plus_if(is_above(gap, 3), at, BY * NTP__CLOSE_ZZ_LONG);
+    const __m512i longer =
+        longer_of(_mm512_maskz_mov_epi32(some, b), _mm512_maskz_mov_epi32(some, e));
+    v->length = plus(longer, all(NTP__LENGTH_ONE));
+    at = minus(_mm512_srli_epi32(v->length, 9), all(NTP__CLOSE_ZZ_SHORTEST));
+    at = with_flag(at, is_above(gap, 6));
+    at = with_flag(at, _mm512_cmpeq_epi32_mask(b, want));
+    at = with_flag(at, _mm512_cmpgt_epi32_mask(reach_zz, gap));
+    at = with_flag(at, _mm512_cmpgt_epi32_mask(plus(reach_zz, reach_zz), plus(gap, all(10))));
+    v->at_zz = with_copies(at);
 }
 
 void ntp__count_close_avx512(ntp__close_block *out, ntp__close_counts *counts, uint32_t *levels_off,
                              int32_t *const c[3], int32_t n)
 {
     enum { ALL = NTP__BLOCK + LANES_512 };
-    int32_t at[ALL], at_zz[ALL], off[ALL], texels = 0, left = 0, from_1 = 0, from_2 = 0;
+    int32_t at[ALL], at_zz[ALL], off[ALL], close = 0, left = 0, from_1 = 0, from_2 = 0;
     __m512i sum = _mm512_setzero_si512(), squares = sum, most = sum, turns = sum, widest = sum;
-    __m512i least = all(INT32_MAX), greatest = all(INT32_MIN);
+    __m512i inverted_least = sum, greatest = sum;
     for (int32_t i = 0; i < n; i += LANES_512) {
         const __mmask16 some = n - i < LANES_512 ? (__mmask16) ((1U << (n - i)) - 1) : 0xFFFF;
         const __m512i r = load(c[0] + i), g = load(c[1] + i), b = load(c[2] + i);
@@ -292,33 +309,31 @@ void ntp__count_close_avx512(ntp__close_block *out, ntp__close_counts *counts, u
             from_1 += __builtin_popcount(is_above(turn, 499));
             from_2 += __builtin_popcount(is_above(turn, 1499));
         }
-        keep(at + texels, v.close, v.at);
-        keep(at_zz + texels, v.close, v.at_zz);
-        texels += keep(off + texels, v.close, v.off);
-        const __m512i longer = _mm512_maskz_mov_epi32(v.close, v.longer);
-        const __m512i size = _mm512_abs_epi32(longer);
-        sum = plus(sum, longer);
-        squares = plus(squares, _mm512_madd_epi16(size, size));
-        least = _mm512_mask_min_epi32(least, v.close, least, longer);
-        greatest = _mm512_mask_max_epi32(greatest, v.close, greatest, longer);
+        keep(at + close, v.close, v.at);
+        keep(at_zz + close, v.close, v.at_zz);
+        close += keep(off + close, v.close, v.off);
+        const __m512i size = _mm512_abs_epi32(minus(v.length, all(NTP__LENGTH_ONE)));
+        sum = _mm512_mask_add_epi32(sum, v.close, sum, v.length);
+        squares = _mm512_mask_add_epi32(squares, v.close, squares, _mm512_madd_epi16(size, size));
+        greatest = _mm512_mask_max_epi32(greatest, v.close, greatest, v.length);
+        inverted_least = _mm512_mask_max_epu32(inverted_least, v.close, inverted_least,
+                                               _mm512_xor_si512(v.length, all(-1)));
         most = _mm512_mask_max_epi32(most, v.close, most, v.off);
     }
-    out->texels = texels;
+    out->texels = close;
     out->left = left;
-    if (texels == 0)
-        return;
     out->angle_sum = (uint32_t) sum_of(&turns);
     out->angle_max = greatest_of(&widest);
-    out->angle_bins[0] = texels - from_1;
+    out->angle_bins[0] = close - from_1;
     out->angle_bins[1] = from_1 - from_2;
     out->angle_bins[2] = from_2;
     /* squares are below 2^27, and there are 16 of each lane */
-    out->length_sum = _mm512_reduce_add_epi32(sum);
+    out->length_sum = (int32_t) sum_of(&sum) - close * NTP__LENGTH_ONE;
     out->length_error2 = sum_of(&squares);
-    out->least = (uint32_t) (NTP__LENGTH_ONE + _mm512_reduce_min_epi32(least));
-    out->greatest = (uint32_t) (NTP__LENGTH_ONE + _mm512_reduce_max_epi32(greatest));
+    out->least = ~greatest_of(&inverted_least);
+    out->greatest = greatest_of(&greatest);
     out->levels_off_max = greatest_of(&most);
-    for (int32_t i = 0; i < texels; i++) {
+    for (int32_t i = 0; i < close; i++) {
         (&counts->standard[0][0])[at[i]]++;
         (&counts->zzero[0][0])[at_zz[i]]++;
         levels_off[off[i]]++;
