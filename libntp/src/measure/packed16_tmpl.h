@@ -32,13 +32,23 @@ static void end_waiting(ntp_tally *t, waiting *w)
     w->n = 0;
 }
 
-static void wait(ntp_tally *t, waiting *w, const uint16_t *p)
+/* Those at these places wait. */
+static void wait(ntp_tally *t, waiting *w, const uint16_t *p, const int32_t *at, int32_t n)
 {
-    if (w->n == NTP__BLOCK)
-        end_waiting(t, w);
-    for (int32_t k = 0; k < 3; k++)
-        w->block.c[k][w->n] = p[k];
-    w->n++;
+    for (int32_t some; n > 0; n -= some, at += some) {
+        if (w->n == NTP__BLOCK)
+            end_waiting(t, w);
+        some = n < NTP__BLOCK - w->n ? n : NTP__BLOCK - w->n;
+        int32_t *const r = w->block.c[0] + w->n, *const g = w->block.c[1] + w->n,
+                       *const b = w->block.c[2] + w->n;
+        for (int32_t i = 0; i < some; i++) {
+            const uint16_t *const c = p + 3 * at[i];
+            r[i] = c[0];
+            g[i] = c[1];
+            b[i] = c[2];
+        }
+        w->n += some;
+    }
 }
 
 static ntp__count_exact_fn *exact_kernel(void)
@@ -69,8 +79,7 @@ static int32_t count_rgb16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t 
         if (found.texels == 0)
             w->noise = NOISE;
     }
-    for (int32_t i = 0; i < done - found.texels; i++)
-        wait(t, w, p + 3 * found.left[i]);
+    wait(t, w, p, found.left, done - found.texels);
     return done;
 }
 
