@@ -238,12 +238,8 @@ static void add_planes(ntp_tally *t, const ntp__survey *survey)
 
 /* Counts a used texel of a block; false: it is not counted yet, but one for count_wide. */
 static bool count_used(ntp_tally *t, narrow_texels *narrow, int32_t r, int32_t g, int32_t b,
-                       int32_t a, int32_t m)
+                       int32_t m)
 {
-    if (t->channels == 4 && a != m) {
-        int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
-        t->ag_in_disc += in_disc8(a8, g8);
-    }
     if (m == 255) {
         add_narrow(narrow, r, g, b);
         return true;
@@ -257,6 +253,21 @@ static bool count_used(ntp_tally *t, narrow_texels *narrow, int32_t r, int32_t g
     return false;
 }
 
+/* Alpha of texels, and how many have green and alpha on the disc: of all, or of used ones. */
+static void count_alpha(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m, bool all)
+{
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t g = block->c[1][i], a = block->c[3][i];
+        add_alpha(t, a, m);
+        t->is_wide |= m != 255 && !is_narrow(a);
+        if (a == m || (!all && ((block->any_broken && block->broken[i]) ||
+                                ntp__unused(block->c[0][i], g, block->c[2][i], a, m, t->touched))))
+            continue;
+        const int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
+        t->ag_in_disc += in_disc8(a8, g8);
+    }
+}
+
 /* Texels whose levels are in the sums of channels, but for what of them is not finite. */
 static void count_each(ntp_tally *t, packed_counts *counts, ntp__block *block, int32_t n, int32_t m)
 {
@@ -267,10 +278,6 @@ static void count_each(ntp_tally *t, packed_counts *counts, ntp__block *block, i
     narrow.n = 0;
     for (int32_t i = 0; i < n; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i], a = block->c[3][i];
-        if (t->channels == 4) {
-            add_alpha(t, a, m);
-            t->is_wide |= m != 255 && !is_narrow(a);
-        }
         if (block->any_broken && block->broken[i]) {
             t->not_finite++;
             continue;
@@ -283,7 +290,7 @@ static void count_each(ntp_tally *t, packed_counts *counts, ntp__block *block, i
             add_transparent(t, &unused, r, g, b, m);
             continue;
         }
-        if (!count_used(t, &narrow, r, g, b, a, m)) {
+        if (!count_used(t, &narrow, r, g, b, m)) {
             /* Wide texels are gathered at the front of the block. */
             block->c[0][wide] = r;
             block->c[1][wide] = g;
@@ -296,15 +303,16 @@ static void count_each(ntp_tally *t, packed_counts *counts, ntp__block *block, i
     count_wide(t, block, wide);
 }
 
-static void count_block(ntp_tally *t, packed_counts *counts, ntp__block *block, int32_t n,
-                        int32_t m)
+/* All but alpha; `opaque`: no texel is unused for that. */
+static void count_planes(ntp_tally *t, packed_counts *counts, ntp__block *block, int32_t n,
+                         int32_t m, bool opaque)
 {
     if (!block->any_broken) {
         ntp__survey survey;
         ntp__kernels(NTP__CPU_ALL)->survey(&survey, block->c[0], block->c[1], block->c[2], n);
         add_planes(t, &survey);
         /* As mostly, these are all for count_wide, and none is flat: nothing is left for each. */
-        if (m == 65535 && t->channels == 3 && survey.odd == 0) {
+        if (m == 65535 && opaque && survey.odd == 0) {
             t->is_wide = 1;
             count_wide(t, block, n);
             return;
@@ -313,19 +321,15 @@ static void count_block(ntp_tally *t, packed_counts *counts, ntp__block *block, 
     count_each(t, counts, block, n, m);
 }
 
-#include "measure/packed16_tmpl.h"
-
-/* Alpha of pictures. */
-static void count_picture_alpha(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
+static void count_block(ntp_tally *t, packed_counts *counts, ntp__block *block, int32_t n,
+                        int32_t m)
 {
-    for (int32_t i = 0; i < n; i++) {
-        const int32_t g = block->c[1][i], a = block->c[3][i];
-        add_alpha(t, a, m);
-        t->is_wide |= m != 255 && !is_narrow(a);
-        const int32_t a8 = m == 255 ? a : ntp__narrow(a), g8 = m == 255 ? g : ntp__narrow(g);
-        t->ag_in_disc += a != m && in_disc8(a8, g8);
-    }
+    if (t->channels == 4)
+        count_alpha(t, block, n, m, false);
+    count_planes(t, counts, block, n, m, t->channels == 3);
 }
+
+#include "measure/packed16_tmpl.h"
 
 /* Pictures and heights: their channels are described, and nothing is judged. */
 static void count_picture(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
@@ -342,7 +346,7 @@ static void count_picture(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
     t->gray += (uint32_t) gray;
     t->is_wide |= m != 255 && (wide & 255) != 0;
     if (t->channels == 2 || t->channels == 4)
-        count_picture_alpha(t, block, n, m);
+        count_alpha(t, block, n, m, true);
     for (int32_t i = 0; block->any_broken && i < n; i++)
         t->not_finite += block->broken[i];
     for (int32_t i = 0; t->colors < 2 && i < n; i++)
@@ -406,24 +410,23 @@ static void count_row(ntp_tally *t, waiting *w, packed_counts *packed, const ntp
     bool bytes = !picture && !t->cells.few && src->type == NTP_TYPE_U8 && src->channels >= 3 &&
                  ntp__is_packed(src);
     bool words = src->encoding == NTP_ENCODING_STANDARD && src->type == NTP_TYPE_U16 &&
-                 src->channels == 3 && ntp__is_packed(src) && w->count_exact != NULL;
+                 src->channels >= 3 && ntp__is_packed(src) && w->count_exact != NULL;
     bool gray = picture && src->type == NTP_TYPE_U8 && src->channels == 1 && ntp__is_packed(src);
     int32_t m = ntp__max(src->type), step = bytes || gray ? x1 - x0 : NTP__BLOCK;
     const uint64_t used = t->narrow + t->wide.texels;
     for (int32_t x = x0, n; x < x1; x += n) {
-        if (words && w->noise > 0 &&
-            (n = count_noise16(t, w, (const uint16_t *) ntp__at(src, x, y), x1 - x)) > 0)
-            continue;
         n = x1 - x < step ? x1 - x : step;
         if (gray) {
             count_gray8(t, ntp__at(src, x, y), n);
         } else if (bytes) {
             count_packed8(t, packed, ntp__at(src, x, y), n, src->channels);
-        } else if (words && w->noise == 0) {
-            n = count_rgb16(t, w, (const uint16_t *) ntp__at(src, x, y), x1 - x);
+        } else if (words && src->channels == 4) {
+            count_rgba16(t, w, ntp__at(src, x, y), n);
+        } else if (words) {
+            n = x1 - x;
+            count_words(t, w, ntp__at(src, x, y), n);
         } else {
             ntp__block block;
-            w->noise -= words;
             ntp__unpack(&block, src, x, y, n);
             if (picture)
                 count_picture(t, &block, n, m);

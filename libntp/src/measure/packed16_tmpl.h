@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * packed16_tmpl.h - counts packed RGB of 16 bit; included by measure.c, whose counts it uses
+ * packed16_tmpl.h - counts packed RGB and RGBA of 16 bit; included by measure.c, whose counts it uses
  *
  * Exact texels are counted first, a block at a time, unless the blocks before had none.  The others of all
- * rows fill blocks of their own.
+ * rows fill blocks of their own.  Of RGBA, the colors of texels with any alpha become RGB first.
  */
 
 /* Those that are not exact wait here for others, whatever row these are of. */
@@ -114,3 +114,87 @@ static int32_t count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_
     return 0;
 }
 #endif
+
+/* Packed RGB that no alpha makes unused. */
+static void count_words(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+{
+    for (int32_t done; n > 0; n -= done, p += 3 * done) {
+        if (w->noise == 0) {
+            done = count_rgb16(t, w, p, n);
+            continue;
+        }
+        if ((done = count_noise16(t, w, p, n)) > 0)
+            continue;
+        ntp__block block;
+        const ntp_const_image row = {
+            .data = p,
+            .pixel_stride = 3 * sizeof *p,
+            .width = n,
+            .height = 1,
+            .channels = 3,
+            .type = NTP_TYPE_U16,
+            .encoding = NTP_ENCODING_STANDARD,
+        };
+        w->noise--;
+        done = n < NTP__BLOCK ? n : NTP__BLOCK;
+        ntp__unpack(&block, &row, 0, 0, done);
+        count_planes(t, &w->narrow, &block, done, 65535, true);
+    }
+}
+
+/* Texels with and without alpha may take turns, so there is no branch for each. */
+static void count_rgba16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+{
+    enum { M = 65535 };
+    const int32_t touched = (t->touched & NTP_UNUSED_TRANSPARENT) != 0;
+    uint16_t rgb[3 * NTP__BLOCK + 1];
+    int32_t used = 0, opaque = 0, clear = 0;
+    uint64_t colors = 0; /* of those that are clear */
+    for (int32_t i = 0; i < n; i++) {
+        const uint16_t *const from = p + 4 * i;
+        uint64_t texel;
+        memcpy(&texel, from, sizeof texel);
+        memcpy(rgb + 3 * used, &texel, sizeof texel);
+        const int32_t is_clear = from[3] == 0;
+        colors |= texel & (0 - (uint64_t) is_clear);
+        clear += is_clear;
+        opaque += from[3] == M;
+        used += touched | (from[3] != 0);
+    }
+    ntp__block block;
+    const bool plain = opaque + clear == n && (clear == 0 || !touched);
+    const bool black = clear == 0 || (colors == 0 && !(t->touched & NTP_UNUSED_BLACK));
+    block.any_broken = false;
+    for (int32_t i = 0; !(plain && black) && i < n; i++) {
+        for (int32_t k = 0; k < 4; k++)
+            block.c[k][i] = p[4 * i + k];
+    }
+    if (plain) {
+        t->alpha[255] += (uint32_t) opaque;
+        t->alpha[0] += (uint32_t) clear;
+        t->wide_alpha_ends[0] += (uint32_t) clear;
+        t->wide_alpha_ends[1] += (uint32_t) opaque;
+        t->alpha_levels.sum += (uint64_t) (uint32_t) opaque * M;
+        ntp__merge_max(&t->alpha_levels.max, opaque > 0 ? M : 0);
+        ntp__merge_max(&t->alpha_levels.inverted_min, ~(clear > 0 ? 0U : M));
+    } else {
+        count_alpha(t, &block, n, M, false);
+    }
+    count_words(t, w, rgb, used);
+    if (used == n)
+        return;
+    if (black) {
+        for (int32_t k = 0; k < 3; k++)
+            add_levels(&t->channel[k], 0);
+        t->gray += (uint32_t) clear;
+        t->black += (uint32_t) clear;
+        return;
+    }
+    int32_t unused = 0;
+    for (int32_t i = 0; i < n; i++) {
+        for (int32_t k = 0; k < 4; k++)
+            block.c[k][unused] = block.c[k][i];
+        unused += block.c[3][i] == 0;
+    }
+    count_planes(t, &w->narrow, &block, unused, M, false);
+}
