@@ -188,12 +188,22 @@ typedef struct close_lanes {
     __m512i z, e, t;
 } close_lanes;
 
+enum { ROOM_CLOSE = NTP__BLOCK + LANES_512 };
+
+/* What the angles in doubt are made of: the pair, and d - M^2 as below. */
+typedef struct doubtful {
+    int32_t n, pair[ROOM_CLOSE], along[ROOM_CLOSE];
+} doubtful;
+
+#define M2      (65535.0 * 65535.0)
+#define DEGREES (180e6 / NTP__PI)
+
 /* In floats: with rho = 2 sqrt(xy + 1/2), |z - z'| = 2 and d = rho^2 + z z', less than M^2/10000 from M^2, the
  * angle is 2 rho/d, and 1/d is (2 - d/M^2)/M^2 to 1e-8 of it.  With six roundings, and those of what is added,
- * this is off by less than 0x1p-11 micro-degrees.  Those in doubt are found again. */
-static inline __m512i turn_of(const close_lanes *v)
+ * this is off by less than 0x1p-10 micro-degrees.  Those in doubt are 0, and noted. */
+static inline __m512i turn_of(doubtful *others, const close_lanes *v)
 {
-    const double m2 = 65535.0 * 65535.0, by = 4 * (180e6 / NTP__PI) / m2;
+    const double by = 4 * DEGREES / M2;
     const float margin = 0x1p-10f;
     const __m512i xy = minus(all(REST_16), v->e), t4 = _mm512_slli_epi32(v->t, 2);
     const __m512i z4 = plus(_mm512_slli_epi32(v->z, 2), all(2));
@@ -203,26 +213,15 @@ static inline __m512i turn_of(const close_lanes *v)
         _mm512_mask_add_epi32(minus(minus(t4, z4), all(2)), negative, plus(t4, z4), all(-2));
     const __m512 half_rho =
         _mm512_sqrt_ps(_mm512_add_ps(_mm512_cvtepi32_ps(xy), _mm512_set1_ps(0.5f)));
-    const __m512 factor = _mm512_fmadd_ps(_mm512_cvtepi32_ps(d), _mm512_set1_ps((float) (-by / m2)),
+    const __m512 factor = _mm512_fmadd_ps(_mm512_cvtepi32_ps(d), _mm512_set1_ps((float) (-by / M2)),
                                           _mm512_set1_ps((float) by));
     const __m512 up = _mm512_fmadd_ps(half_rho, factor, _mm512_set1_ps(0.5f - margin));
-    __m512i turn = _mm512_cvttps_epi32(up);
+    const __m512i turn = _mm512_cvttps_epi32(up);
     const __m512i other = _mm512_cvttps_epi32(_mm512_add_ps(up, _mm512_set1_ps(2 * margin)));
-    uint32_t doubt = _mm512_mask_cmpneq_epi32_mask(v->turned, turn, other);
-    if (doubt != 0) {
-        int32_t angles[LANES_512], pairs[LANES_512], along[LANES_512];
-        store(angles, turn);
-        store(pairs, xy);
-        store(along, d);
-        for (; doubt != 0; doubt &= doubt - 1) {
-            const int32_t i = __builtin_ctz(doubt);
-            angles[i] = (int32_t) (ntp__radians(2 * sqrt(4.0 * pairs[i] + 2.0), m2 + along[i]) *
-                                       (180e6 / NTP__PI) +
-                                   0.5);
-        }
-        turn = load(angles);
-    }
-    return turn;
+    const __mmask16 doubt = _mm512_mask_cmpneq_epi32_mask(v->turned, turn, other);
+    keep(others->pair + others->n, doubt, xy);
+    others->n += keep(others->along + others->n, doubt, d);
+    return _mm512_maskz_mov_epi32(v->turned & (__mmask16) ~doubt, turn);
 }
 
 /* Twice as much, or one more. */
@@ -289,10 +288,12 @@ static inline void judge_close(close_lanes *v, __m512i r, __m512i g, __m512i b, 
 void ntp__count_close_avx512(ntp__close_block *out, ntp__close_counts *counts, uint32_t *levels_off,
                              int32_t *const c[3], int32_t n)
 {
-    enum { ALL = NTP__BLOCK + LANES_512 };
-    int32_t at[ALL], at_zz[ALL], off[ALL], close = 0, left = 0, from_1 = 0, from_2 = 0;
+    doubtful doubt;
+    int32_t at[ROOM_CLOSE], at_zz[ROOM_CLOSE], off[ROOM_CLOSE], close = 0, left = 0, from_1 = 0,
+                                                                from_2 = 0;
     __m512i sum = _mm512_setzero_si512(), squares = sum, most = sum, turns = sum, widest = sum;
     __m512i inverted_least = sum, greatest = sum;
+    doubt.n = 0;
     for (int32_t i = 0; i < n; i += LANES_512) {
         const __mmask16 some = n - i < LANES_512 ? (__mmask16) ((1U << (n - i)) - 1) : 0xFFFF;
         const __m512i r = load(c[0] + i), g = load(c[1] + i), b = load(c[2] + i);
@@ -303,7 +304,7 @@ void ntp__count_close_avx512(ntp__close_block *out, ntp__close_counts *counts, u
         keep(c[1] + left, others, g);
         left += keep(c[2] + left, others, b);
         if (v.turned != 0) {
-            const __m512i turn = _mm512_maskz_mov_epi32(v.turned, turn_of(&v));
+            const __m512i turn = turn_of(&doubt, &v);
             turns = plus(turns, turn);
             widest = _mm512_max_epi32(widest, turn);
             from_1 += __builtin_popcount(is_above(turn, 499));
@@ -324,6 +325,14 @@ void ntp__count_close_avx512(ntp__close_block *out, ntp__close_counts *counts, u
     out->left = left;
     out->angle_sum = (uint32_t) sum_of(&turns);
     out->angle_max = greatest_of(&widest);
+    for (int32_t i = 0; i < doubt.n; i++) {
+        const double s = 2 * sqrt(4.0 * doubt.pair[i] + 2.0), d = M2 + doubt.along[i];
+        const uint32_t turn = (uint32_t) (int32_t) (ntp__radians(s, d) * DEGREES + 0.5);
+        out->angle_sum += turn;
+        out->angle_max = turn > out->angle_max ? turn : out->angle_max;
+        from_1 += turn >= 500;
+        from_2 += turn >= 1500;
+    }
     out->angle_bins[0] = close - from_1;
     out->angle_bins[1] = from_1 - from_2;
     out->angle_bins[2] = from_2;
