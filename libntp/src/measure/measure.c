@@ -421,7 +421,7 @@ static void count_row(ntp_tally *t, waiting *w, packed_counts *packed, const ntp
         } else if (bytes) {
             count_packed8(t, packed, ntp__at(src, x, y), n, src->channels);
         } else if (words && src->channels == 4) {
-            count_rgba16(t, w, ntp__at(src, x, y), n);
+            count_rgba16(t, w, src, x, y, n);
         } else if (words) {
             n = x1 - x;
             count_words(t, w, ntp__at(src, x, y), n);

@@ -143,9 +143,11 @@ static void count_words(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 }
 
 /* Texels with and without alpha may take turns, so there is no branch for each. */
-static void count_rgba16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+static void count_rgba16(ntp_tally *t, waiting *w, const ntp_const_image *src, int32_t x, int32_t y,
+                         int32_t n)
 {
     enum { M = 65535 };
+    const uint16_t *const p = ntp__at(src, x, y);
     const int32_t touched = (t->touched & NTP_UNUSED_TRANSPARENT) != 0;
     uint16_t rgb[3 * NTP__BLOCK + 1];
     int32_t used = 0, opaque = 0, clear = 0;
@@ -164,11 +166,8 @@ static void count_rgba16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
     ntp__block block;
     const bool plain = opaque + clear == n && (clear == 0 || !touched);
     const bool black = clear == 0 || (colors == 0 && !(t->touched & NTP_UNUSED_BLACK));
-    block.any_broken = false;
-    for (int32_t i = 0; !(plain && black) && i < n; i++) {
-        for (int32_t k = 0; k < 4; k++)
-            block.c[k][i] = p[4 * i + k];
-    }
+    if (!(plain && black))
+        ntp__unpack(&block, src, x, y, n);
     if (plain) {
         t->alpha[255] += (uint32_t) opaque;
         t->alpha[0] += (uint32_t) clear;
@@ -192,9 +191,11 @@ static void count_rgba16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
     }
     int32_t unused = 0;
     for (int32_t i = 0; i < n; i++) {
-        for (int32_t k = 0; k < 4; k++)
+        const int32_t a = block.c[3][i];
+        for (int32_t k = 0; k < 3; k++)
             block.c[k][unused] = block.c[k][i];
-        unused += block.c[3][i] == 0;
+        block.c[3][unused] = 0;
+        unused += a == 0;
     }
     count_planes(t, &w->narrow, &block, unused, M, false);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * exact16_avx512.c - counts packed 16-bit texels with the derived blue, with AVX-512
+ * exact16_avx512.c - counts 16-bit texels with the derived blue, or close to it, with AVX-512
  *
  * As exact16_tmpl.h, which says why the numbers are right.  Here a list is made of the exact texels that are
  * nearly flat, and one of those that are steeper, from the pixels in registers; then each list is placed
@@ -12,6 +12,7 @@
  * as many, as s is even, never below 3 - K where v is 0, and sums are below 36000.
  *
  * Lengths are those of close_length in close_tmpl.h, with a better first guess and fewer roundings.
+ * So are close texels counted as there, but one by one: masks leave out others.
  */
 #include "texel/kernels_avx512.h"
 
