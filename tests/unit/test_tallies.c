@@ -21,17 +21,24 @@ typedef struct facts {
     ntp_stats stats[2];
     ntp_harm harm;
     ntp_classification type;
-    uint64_t levels_off[256];
+    uint64_t levels_off[65536];
 } facts;
 
-static uint8_t pixels[W * H * 4], apart[W * H * 5];
+static uint16_t pixels[W * H * 4], apart[W * H * 5]; /* of 16 bit, or bytes */
+static ntp_type type;
+static uint32_t touched;
 
-static uint8_t level(double v)
+static int32_t most(void)
 {
-    return (uint8_t) (127.5 + 127.5 * v + 0.5);
+    return type == NTP_TYPE_U8 ? 255 : 65535;
 }
 
-static void draw_clean(uint8_t *p, int32_t x, int32_t y)
+static uint16_t level(double v)
+{
+    return (uint16_t) (0.5 * most() * (1 + v) + 0.5);
+}
+
+static void draw_clean(uint16_t *p, int32_t x, int32_t y)
 {
     const double a = 0.65 * sin(0.11 * x + 0.05 * y), b = 0.6 * cos(0.07 * y);
     p[0] = level(a);
@@ -44,31 +51,57 @@ static bool is_noise(kind k, int32_t y)
     return k == NOISE || (k == BANDS && y / 20 % 2 != 0);
 }
 
+/* Stripes of transparent black, then colors without alpha, then any alpha. */
+static void draw_background(uint16_t *p, int32_t x, int32_t y)
+{
+    const int32_t row = y % 20;
+    if (row < 5 && x / 8 % 2 == 0)
+        p[0] = p[1] = p[2] = p[3] = 0;
+    else if (row >= 5 && row < 8 && x / 31 % 2 == 0)
+        p[3] = 0;
+    else if (row >= 8 && row < 10)
+        p[3] = (uint16_t) (x * most() / (W - 1));
+}
+
+static void store(int32_t at, uint16_t sample)
+{
+    if (type == NTP_TYPE_U8)
+        ((uint8_t *) (void *) pixels)[at] = (uint8_t) sample;
+    else
+        pixels[at] = sample;
+}
+
 static void draw(kind k, int32_t channels, uint64_t *seed)
 {
     for (int32_t i = 0; i < W * H; i++) {
-        uint8_t *const p = pixels + i * channels;
+        uint16_t p[4];
         const uint32_t any = random_bits(seed);
         draw_clean(p, i % W, i / W);
         for (int32_t c = 0; is_noise(k, i / W) && c < 3; c++)
-            p[c] = (uint8_t) random_bits(seed);
+            p[c] = (uint16_t) random_bits(seed);
         if (k == SOME_FAR && any % 37 == 0)
-            p[2] = (uint8_t) (any >> 8);
+            p[2] = (uint16_t) (any >> 8);
         if (k != CLEAN && any % 41 == 0) /* gray; black and white are unused */
-            p[0] = p[1] = p[2] = (uint8_t) (any >> 9 & 1 ? any >> 16 : 0 - (any >> 10 & 1));
-        if (channels == 4)
-            p[3] = k == CLEAN || any % 11 != 0 ? 255 : (uint8_t) (any >> 20 & 3);
+            p[0] = p[1] = p[2] = (uint16_t) (any >> 9 & 1 ? any >> 16 : 0 - (any >> 10 & 1));
+        p[3] = (uint16_t) most();
+        if ((k == SOME_FAR || k == NOISE) && any % 11 == 0)
+            p[3] = (uint16_t) (any >> 20 & 3);
+        if (k == BANDS)
+            draw_background(p, i % W, i / W);
+        for (int32_t c = 0; c < channels; c++)
+            store(i * channels + c, p[c]);
     }
 }
 
 static ntp_const_image view_of(int32_t channels, bool packed)
 {
-    ntp_image view = ntp_image_packed(packed ? pixels : apart, W, H, channels, NTP_TYPE_U8);
-    for (int32_t i = 0; !packed && i < W * H; i++)
-        memcpy(apart + i * (channels + 1), pixels + i * channels, (size_t) channels);
+    const size_t sample = type == NTP_TYPE_U8 ? 1 : 2, size = sample * (size_t) channels;
+    ntp_image view = ntp_image_packed(packed ? pixels : apart, W, H, channels, type);
+    for (size_t i = 0; !packed && i < (size_t) W * H; i++)
+        memcpy((uint8_t *) apart + i * (size + sample), (uint8_t *) pixels + i * size, size);
     if (!packed) {
-        view.pixel_stride = channels + 1;
-        view.row_stride = W * (channels + 1);
+        view.pixel_stride = (ptrdiff_t) (size + sample);
+        view.row_stride = W * view.pixel_stride;
     }
     return ntp_image_as_const(&view);
 }
@@ -83,16 +116,18 @@ static ntp_tally *fresh(void)
 static void add(ntp_tally *tally, const ntp_const_image *view, int32_t y0, int32_t y1)
 {
     const ntp_rect area = { 0, y0, W, y1 };
-    CHECK(ntp_tally_add(tally, view, 0, &area) == NTP_OK);
+    CHECK(ntp_tally_add(tally, view, touched, &area) == NTP_OK);
 }
 
 static void ask(facts *f, ntp_tally *tally)
 {
     memset(f, 0, sizeof *f);
-    CHECK(ntp_tally_summarize(&f->stats[1], tally, NTP_ENCODING_ZZERO) == NTP_OK);
+    if (type == NTP_TYPE_U8) /* angles of 16 bit are of one encoding */
+        CHECK(ntp_tally_summarize(&f->stats[1], tally, NTP_ENCODING_ZZERO) == NTP_OK);
     CHECK(ntp_tally_summarize(&f->stats[0], tally, NTP_ENCODING_STANDARD) == NTP_OK);
     CHECK(ntp_tally_harm(&f->harm, tally, NTP_ENCODING_STANDARD, NTP_HARM_ALL, 5) == NTP_OK);
-    CHECK(ntp_tally_levels_off(f->levels_off, 256, tally, NTP_ENCODING_STANDARD) == NTP_OK);
+    CHECK(ntp_tally_levels_off(f->levels_off, (size_t) most() + 1, tally, NTP_ENCODING_STANDARD) ==
+          NTP_OK);
     CHECK(ntp_classify(&f->type, tally) == NTP_OK);
 }
 
@@ -150,20 +185,33 @@ static bool are_same(const facts *a, const facts *b)
            memcmp(a->levels_off, b->levels_off, sizeof a->levels_off) == 0;
 }
 
-int main(void)
+static void check(kind k, int32_t channels, uint64_t *seed)
 {
     static facts want, found;
+    draw(k, channels, seed);
+    measure(&want, 0, channels);
+    CHECK(want.stats[0].texels == W * H);
+    for (int32_t way = 1; way < WAYS; way++) {
+        measure(&found, way, channels);
+        CHECK(are_same(&found, &want));
+    }
+}
+
+int main(void)
+{
+    static const ntp_type TYPES[] = { NTP_TYPE_U8, NTP_TYPE_U16 };
+    static const uint32_t TOUCHED[] = { NTP_UNUSED_TRANSPARENT, NTP_UNUSED_BLACK };
     uint64_t seed = 39;
-    for (int32_t channels = 3; channels <= 4; channels++) {
-        for (int32_t k = 0; k < KINDS; k++) {
-            draw((kind) k, channels, &seed);
-            measure(&want, 0, channels);
-            CHECK(want.stats[0].texels == W * H);
-            for (int32_t way = 1; way < WAYS; way++) {
-                measure(&found, way, channels);
-                CHECK(are_same(&found, &want));
-            }
+    for (int32_t i = 0; i < 2; i++) {
+        type = TYPES[i];
+        for (int32_t channels = 3; channels <= 4; channels++) {
+            for (int32_t k = 0; k < KINDS; k++)
+                check((kind) k, channels, &seed);
         }
+    }
+    for (int32_t i = 0; i < 2; i++) {
+        touched = TOUCHED[i];
+        check(BANDS, 4, &seed);
     }
     return 0;
 }
