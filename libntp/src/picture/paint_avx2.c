@@ -403,4 +403,5 @@ void ntp__gather_odd_avx2(const ntp__painter *p, ntp__odd_texels *odd,
             odd->y[odd->n++] = y;
         }
     }
+    end_lanes();
 }

@@ -8,6 +8,7 @@
  */
 #include "picture/paint_avx2.h"
 
+#include "base/lanes_avx2.h"
 #include "texel/packed_avx512_tmpl.h"
 
 enum { STEP = LANES_512 };
@@ -116,6 +117,7 @@ int32_t ntp__shade_rgb_avx512(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const v
         odd[i / 8 + 1] = (uint8_t) (bits >> 8);
         found += __builtin_popcount(bits);
     }
+    end_lanes();
     return i < n ? found + ntp__shade_rgb_avx2(dst, odd + i / 8, s, n - i, deep, how, own) : found;
 }
 
@@ -192,5 +194,6 @@ int32_t ntp__heat_rgb_avx512(uint8_t *dst, uint8_t odd[NTP__BLOCK / 8], const vo
         odd[i / 8 + 1] = (uint8_t) (bits >> 8);
         found += __builtin_popcount(bits);
     }
+    end_lanes();
     return i < n ? found + ntp__heat_rgb_avx2(dst, odd + i / 8, s, n - i, deep, limits) : found;
 }

@@ -429,4 +429,5 @@ void ntp__look_at_blocks_avx512(uint8_t seen[NTP__ROWS], const ntp__cell_counts 
         }
         seen[row] &= (uint8_t) ~(none * NTP__SEEN_QUARTER);
     }
+    end_lanes();
 }

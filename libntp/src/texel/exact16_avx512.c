@@ -17,6 +17,7 @@
 #include "texel/kernels_avx512.h"
 
 #include "base/inlining.h"
+#include "base/lanes_avx2.h"
 #include "texel/angle.h"
 #include "texel/survey_avx512_tmpl.h"
 
@@ -343,6 +344,7 @@ void ntp__count_close_avx512(ntp__close_block *out, ntp__close_counts *counts, u
     out->least = ~greatest_of(&inverted_least);
     out->greatest = greatest_of(&greatest);
     out->levels_off_max = greatest_of(&most);
+    end_lanes();
     for (int32_t i = 0; i < close; i++) {
         (&counts->standard[0][0])[at[i]]++;
         (&counts->zzero[0][0])[at_zz[i]]++;
@@ -441,5 +443,6 @@ int32_t ntp__count_exact_avx512(ntp__exact_block *out, ntp__close_counts *counts
     }
     ntp__end_survey_avx512(&out->survey, &seen);
     out->texels = near + far;
+    end_lanes();
     return n;
 }
