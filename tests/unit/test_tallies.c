@@ -8,19 +8,21 @@
  */
 #include "guarded.h"
 #include "libntp.h"
+#include "measure/evidence.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { W = 256, H = 100, FEW_ROWS = 9, KINDS = 4, WAYS = 6 };
+enum { W = 256, H = 100, FEW_ROWS = 9, KINDS = 5, WAYS = 6 };
 
-typedef enum kind { CLEAN, SOME_FAR, NOISE, BANDS } kind;
+typedef enum kind { CLEAN, SOME_FAR, NOISE, BANDS, STRIPES } kind;
 
 typedef struct facts {
     ntp_stats stats[2];
     ntp_harm harm;
     ntp_classification type;
+    double ag_in_disc; /* see evidence.h */
     uint64_t levels_off[65536];
 } facts;
 
@@ -63,6 +65,16 @@ static void draw_background(uint16_t *p, int32_t x, int32_t y)
         p[3] = (uint16_t) (x * most() / (W - 1));
 }
 
+/* Alpha is 0 or M: stripes without it, of colors or black. */
+static void draw_stripes(uint16_t *p, int32_t x, int32_t y)
+{
+    if (x / 8 % 2 != 0)
+        return;
+    p[3] = 0;
+    if (y / 8 % 2 != 0)
+        p[0] = p[1] = p[2] = 0;
+}
+
 static void store(int32_t at, uint16_t sample)
 {
     if (type == NTP_TYPE_U8)
@@ -88,6 +100,8 @@ static void draw(kind k, int32_t channels, uint64_t *seed)
             p[3] = (uint16_t) (any >> 20 & 3);
         if (k == BANDS)
             draw_background(p, i % W, i / W);
+        if (k == STRIPES)
+            draw_stripes(p, i % W, i / W);
         for (int32_t c = 0; c < channels; c++)
             store(i * channels + c, p[c]);
     }
@@ -121,6 +135,7 @@ static void add(ntp_tally *tally, const ntp_const_image *view, int32_t y0, int32
 
 static void ask(facts *f, ntp_tally *tally)
 {
+    ntp__evidence evidence;
     memset(f, 0, sizeof *f);
     if (type == NTP_TYPE_U8) /* angles of 16 bit are of one encoding */
         CHECK(ntp_tally_summarize(&f->stats[1], tally, NTP_ENCODING_ZZERO) == NTP_OK);
@@ -129,6 +144,8 @@ static void ask(facts *f, ntp_tally *tally)
     CHECK(ntp_tally_levels_off(f->levels_off, (size_t) most() + 1, tally, NTP_ENCODING_STANDARD) ==
           NTP_OK);
     CHECK(ntp_classify(&f->type, tally) == NTP_OK);
+    CHECK(ntp__gather_evidence(&evidence, tally) == NTP_OK);
+    f->ag_in_disc = evidence.ag_in_disc;
 }
 
 /* Rows of one tally after those of another, which may have none. */
@@ -181,7 +198,7 @@ static bool are_same(const facts *a, const facts *b)
     const void *const stats[] = { a->stats, b->stats }, *const harm[] = { &a->harm, &b->harm };
     return memcmp(stats[0], stats[1], sizeof a->stats) == 0 &&
            memcmp(harm[0], harm[1], sizeof a->harm) == 0 && a->type.type == b->type.type &&
-           a->type.confidence == b->type.confidence &&
+           a->type.confidence == b->type.confidence && a->ag_in_disc == b->ag_in_disc &&
            memcmp(a->levels_off, b->levels_off, sizeof a->levels_off) == 0;
 }
 
@@ -212,6 +229,7 @@ int main(void)
     for (int32_t i = 0; i < 2; i++) {
         touched = TOUCHED[i];
         check(BANDS, 4, &seed);
+        check(STRIPES, 4, &seed);
     }
     return 0;
 }
