@@ -346,8 +346,8 @@ NTP_API ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
  * exactly, in any order.  It holds up to 2^32 - 1 texels of one depth.
  * It takes 21 MB of address space, of which most stays untouched: memory from calloc costs only
  * what is touched.  A clean texture of any size takes up to 1 MB (16 bit: 0.7 MB), a damaged one of
- * 8 bit about 3.5 MB, noise 4 MB, and up to 6 MB where many of its colors are frequent.  A cleared
- * tally keeps what it has touched.
+ * 8 bit about 3.5 MB, noise 4 MB, and up to 6 MB where many of its colors are frequent, 11 MB where
+ * these have 65536 texels and more.  A cleared tally keeps what it has touched.
  * Nearly all that a clean texture touches is in the first 2 MiB (8 bit), or in the 2 MiB from 12 MiB on (16 bit):
  * where memory begins at a multiple of 2 MiB, one large page may be cheaper than their page faults.
  */

@@ -316,8 +316,8 @@ bool os_output_can_seek(const os_output *output)
     return output->directory >= 0;
 }
 
-/* The system keeps what is written for long, and would write all of it in the end, when it is waited
- * for.  Whether that worked, os_output_sync() says. */
+/* The system keeps written bytes in memory.  Told early, it writes them to the disk while others are made,
+ * and os_output_sync() waits for less.  That one also says whether it worked. */
 static void begin_to_write(os_output *output, uint64_t end)
 {
 #ifdef SYNC_FILE_RANGE_WRITE

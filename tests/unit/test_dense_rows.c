@@ -6,6 +6,7 @@
  * sixth to a half of all blues, at any place.  The colors are judged by the loops without AVX2.  Rows of few
  * colors are left to others.  Then tallies of noise, and what classify/ asks of them, with and without AVX2.
  */
+#include "alike_tallies.h"
 #include "guarded.h"
 #include "measure/tally.h"
 #include "without_avx2.h"
@@ -94,28 +95,12 @@ static void check_rows(int32_t kind, uint64_t *seed)
 
 static void check_tallies(uint64_t *seed)
 {
-    static ntp__evidence evidence[2];
     uint8_t *const texels = malloc((size_t) WIDTH * HEIGHT * 3);
-    ntp_tally *const tally[2] = { calloc(1, ntp_tally_size()), calloc(1, ntp_tally_size()) };
-    CHECK(texels != NULL && tally[0] != NULL && tally[1] != NULL);
+    CHECK(texels != NULL);
     for (int32_t i = 0; i < WIDTH * HEIGHT * 3; i++)
         texels[i] = (uint8_t) random_level(seed, 255);
-    const ntp_image image = ntp_image_packed(texels, WIDTH, HEIGHT, 3, NTP_TYPE_U8);
-    const ntp_const_image view = ntp_image_as_const(&image);
-    for (int32_t i = 0; i < 2; i++) {
-        allowed = i == 1;
-        CHECK(ntp_tally_add(tally[i], &view, 0, NULL) == NTP_OK);
-        CHECK(ntp__sum_up(tally[i], NTP_ENCODING_STANDARD) == NTP_OK);
-        CHECK(ntp__gather_evidence(&evidence[i], tally[i]) == NTP_OK);
-    }
-    /* NOLINTNEXTLINE */
-    CHECK(memcmp(&tally[0]->used, &tally[1]->used, sizeof tally[0]->used) == 0);
-    CHECK(memcmp(tally[0]->blues, tally[1]->blues, sizeof tally[0]->blues) == 0);
-    /* All were zero-filled, padding included.  NOLINTNEXTLINE */
-    CHECK(memcmp(&evidence[0], &evidence[1], sizeof evidence[0]) == 0);
-    CHECK(evidence[0].tilted > WIDTH * HEIGHT / 2 && evidence[0].tilted_off[0] > 0);
-    free(tally[1]);
-    free(tally[0]);
+    const ntp__evidence *const evidence = alike_tallies(texels, WIDTH, HEIGHT, &allowed);
+    CHECK(evidence->tilted > WIDTH * HEIGHT / 2 && evidence->tilted_off[0] > 0);
     free(texels);
 }
 #endif

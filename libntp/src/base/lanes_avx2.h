@@ -12,8 +12,8 @@
 #  include <stddef.h>
 #  include <stdint.h>
 
-/* Called last, where the file is compiled with -Os, for which GCC does not.  Code for SSE takes up to
- * 2.6 times as long where the upper halves of registers are not zero. */
+/* Zeros the upper halves of registers: call this last in files that are compiled with -Os, as GCC does so
+ * only at other levels.  Code for SSE takes up to 2.6 times as long where they are not zero. */
 static inline void end_lanes(void)
 {
     _mm256_zeroupper();

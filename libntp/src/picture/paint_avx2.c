@@ -185,7 +185,7 @@ static inline __m256i gray_of(__m256i rg, __m256i b, bool deep)
 }
 
 /* The first three bytes of 32 bits. */
-__attribute__((always_inline)) static inline void put_colors(uint8_t *d, __m256i color)
+static ALWAYS_INLINE void put_colors(uint8_t *d, __m256i color)
 {
     const __m256i v = _mm256_shuffle_epi8(
         color, _mm256_setr_epi8(0, 1, 2, 4, 5, 6, 8, 9, 10, 12, 13, 14, N, N, N, N, N, N, N, N, 0,
@@ -276,8 +276,7 @@ ONE_COPY static const uint8_t *copy_last(ends *e, const uint8_t *s, int32_t left
     return memcpy(e->few, s, (size_t) bytes * (size_t) left);
 }
 
-__attribute__((always_inline)) static inline const uint8_t *source(ends *e, const uint8_t *s,
-                                                                   int32_t left, int32_t bytes)
+static ALWAYS_INLINE const uint8_t *source(ends *e, const uint8_t *s, int32_t left, int32_t bytes)
 {
     return left < STEP ? copy_last(e, s, left, bytes) : s;
 }

@@ -12,13 +12,6 @@ enum { STEPS = 32 };
 
 enum { AHEAD = 8192 /* bytes, as processors themselves fetch no more than the page */ };
 
-/* One copy with its own registers: the loop before it needs all of them. */
-#if defined(__GNUC__)
-#  define APART __attribute__((noinline))
-#else
-#  define APART
-#endif
-
 static inline void store_whole(uint8_t *d, __m256i v)
 {
     _mm256_storeu_si256((__m256i *) (void *) d, v);
@@ -258,7 +251,7 @@ static int32_t widen(uint8_t *d, const uint8_t *s, int32_t n)
 }
 
 /* Renews those of the steps that have a bit.  Returns the first one that has to be pulled, or STEPS. */
-APART static int32_t renew_steps(uint8_t *d, const uint8_t *s, uint32_t left)
+ONE_COPY static int32_t renew_steps(uint8_t *d, const uint8_t *s, uint32_t left)
 {
     for (; left != 0; left &= left - 1) {
         const int32_t k = __builtin_ctz(left);

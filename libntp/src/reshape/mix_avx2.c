@@ -26,9 +26,9 @@
  */
 #include "reshape/mix_avx2.h"
 
-#include "base/lanes_avx2.h"
 #include "base/cpu.h"
 #include "base/inlining.h"
+#include "base/lanes_avx2.h"
 #include "texel/level.h"
 #include "texel/packed_avx2_tmpl.h"
 
@@ -43,16 +43,15 @@ typedef struct constants {
     float least_z; /* the least z that is sure */
     ntp__mix_rounding rounding;
     bool avx512;
-    float black,
-        white; /* what all numerators of texels without a normal are; NaN: these hold one */
+    float black, white; /* all numerators of texels without a normal; NaN: those hold one */
 } constants;
 
 /* What a block becomes: vectors of any length; pairs of levels of x, y less that of 0; negative where a
  * texel is left to the caller.  Each loop does one thing: while a processor waits for a root it does
  * others. */
 typedef struct planes {
-    _Alignas(64) ntp__mix_planes base, detail,
-        v; /* lines of the cache, so that no load is of two */
+    /* Whole lines of the cache, so that no load needs two. */
+    _Alignas(64) ntp__mix_planes base, detail, v;
     int32_t pair[NTP__BLOCK], left[NTP__BLOCK + STEP];
     bool any_kept, blends; /* may a texel stay as it is in the base?  is there a detail? */
 } planes;
@@ -216,10 +215,9 @@ static inline __m256i level_at(const float *from, const constants *c)
     return _mm256_srli_epi32(_mm256_add_epi32(v, _mm256_set1_epi32(c->m)), 1);
 }
 
-/* Puts back texels that stay as they are in the base, as one of both holds no normal; returns their bits.  Not copied into the loop, which few
- * textures need it in. */
-__attribute__((noinline)) static uint32_t keep_base(texels *t, const planes *p, int32_t i,
-                                                    const constants *c)
+/* Puts texels back that stay as they are in the base, as one of both holds no normal; returns their bits.
+ * Few textures have any, so the loop has no copy of it. */
+ONE_COPY static uint32_t keep_base(texels *t, const planes *p, int32_t i, const constants *c)
 {
     __m256i kept = unused_at(p->base, i, c);
     if (p->blends)
