@@ -245,36 +245,12 @@ static void add_compared(ntp_diff *d, const ntp__compared *c, int32_t n)
     d->angles.bins[0] += (uint32_t) n - (uint32_t) (c->found + c->left);
 }
 
-/* Texels that are black in one image and white in the other.  Both are unused: their angle is 0. */
-static int32_t count_unused(const job *j, const uint8_t *a, const uint8_t *b, int32_t n)
+static void add_left(const job *j, ntp__compared *c)
 {
-    const size_t bytes = (size_t) j->a->pixel_stride;
-    int32_t unused = 0;
-    for (size_t i = 0; i < (size_t) n * bytes; i += bytes) {
-        bool all = a[i] == 0 || a[i] == 255;
-        for (size_t k = 0; k < bytes; k++)
-            all = all && a[i + k] == a[i] && b[i + k] == 255 - a[i];
-        unused += all;
-    }
-    return unused;
-}
-
-/* The angles that are left of n texels. */
-static void add_left(const job *j, ntp__compared *c, const void *a, const void *b, int32_t n)
-{
-    const uint32_t m = (uint32_t) j->m;
-    const bool opposite = c->most[0] == m && c->most[1] == m && c->most[2] == m;
-    int32_t angle[NTP__BLOCK], unused = opposite ? count_unused(j, a, b, n) : 0;
+    int32_t angle[NTP__BLOCK];
     for (int32_t i = 0; i < c->left; i += NTP__BLOCK) {
         const int32_t some = c->left - i < NTP__BLOCK ? c->left - i : NTP__BLOCK;
         j->kernels->angles_of(angle, c->s2 + i, c->d + i, some);
-        /* Any that are as large, for only sums are kept */
-        for (int32_t k = 0; k < some && unused > 0; k++) {
-            if (angle[k] == HALF_TURN) {
-                angle[k] = 0;
-                unused--;
-            }
-        }
         add_angles(&j->diff->angles, angle, some);
     }
 }
@@ -306,7 +282,7 @@ static int32_t compare_packed(job *j, const void *a, const void *b, int32_t n)
     n = j->compare_rgb(&c, a, b, n, j->m > 255);
     j->fullest = c.fullest;
     add_compared(j->diff, &c, n);
-    add_left(j, &c, a, b, n);
+    add_left(j, &c);
     return n;
 }
 #else

@@ -21,7 +21,10 @@
 
 #include <immintrin.h>
 
-enum { STEP = 8 /* texels */ };
+enum {
+    STEP = 8, /* texels */
+    FEW = 16  /* eights: angles of 180 degrees of so many add up in lanes of 32 bits */
+};
 
 /* s^2 and d of n texels, times a power of 4 or 2, u0 and g.  `small` and `large` are where eight of them
  * begin whose angles are all small, or not. */
@@ -85,11 +88,15 @@ static void find_first(pairs *p)
     int32_t smalls = 0, larges = 0;
     for (int32_t i = 0; i < p->n; i += STEP) {
         const __m256 s2 = to_floats(load_eight(p->s2 + i)), d = to_floats(load_eight(p->d + i));
-        const __m256 s = _mm256_max_ps(_mm256_sqrt_ps(s2), _mm256_set1_ps(0x1p-20F));
-        const __m256 g = _mm256_div_ps(_mm256_set1_ps(0.5F), _mm256_mul_ps(s, d));
-        const __m256 u0 = _mm256_mul_ps(s2, _mm256_add_ps(g, g));
-        const __m256 small = _mm256_cmp_ps(u0, _mm256_set1_ps(SMALL), _CMP_LE_OQ);
-        const bool all = _mm256_movemask_ps(_mm256_andnot_ps(d, small)) == 255;
+        const __m256 least = _mm256_set1_ps(0x1p-20F), d2 = _mm256_mul_ps(d, d);
+        const __m256 s = _mm256_max_ps(_mm256_sqrt_ps(s2), least);
+        const __m256 a = _mm256_max_ps(_mm256_andnot_ps(_mm256_set1_ps(-0.0F), d), least);
+        const __m256 g = _mm256_div_ps(_mm256_set1_ps(0.5F), _mm256_mul_ps(s, a));
+        const __m256 u0 = _mm256_mul_ps(_mm256_min_ps(s2, d2), _mm256_add_ps(g, g));
+        /* Or d is negative */
+        const __m256 large =
+            _mm256_cmp_ps(_mm256_mul_ps(d, _mm256_set1_ps(SMALL)), s, _CMP_LT_OQ);
+        const bool all = _mm256_movemask_ps(large) == 0;
         _mm256_storeu_ps(p->u0 + i, u0);
         _mm256_storeu_ps(p->g + i, g);
         p->small[smalls] = p->large[larges] = i;
@@ -100,16 +107,37 @@ static void find_first(pairs *p)
     p->larges = larges;
 }
 
-/* atan(u) + ROUND_BIN + 1/2: the bits of the double are that in units of 2^-PART_BITS micro-degrees, with others
+/* With it the bits of a double are an angle + ROUND_BIN + 1/2 in units of 2^-PART_BITS micro-degrees, with others
  * above those of 180 degrees. */
-static inline __m256d angle_of(__m256d u)
+#define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5)
+
+/* atan(u) */
+static inline __m256d small_angle(__m256d u)
 {
     const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
     const __m256d p = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C1), w), _mm256_set1_pd(C0));
     const __m256d q = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C3), w), _mm256_set1_pd(C2));
     const __m256d r = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C4), w2), q);
     const __m256d t = _mm256_mul_pd(_mm256_add_pd(_mm256_mul_pd(r, w2), p), u);
-    return _mm256_add_pd(t, _mm256_set1_pd(0x1.8p39 + ROUND_BIN + 0.5));
+    return _mm256_add_pd(t, _mm256_set1_pd(TO_PARTS));
+}
+
+/* atan(u) of s <= |d|, and atan(1/u) of others; of d < 0 180 degrees less that. */
+static inline __m256d any_angle(__m256d u, __m256d s2, __m256d d)
+{
+    static const double terms[] = { ATAN_TERMS };
+    const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
+    __m256d odd = _mm256_set1_pd(terms[0]), even = _mm256_set1_pd(terms[1]);
+#pragma GCC unroll 1
+    for (size_t k = 2; k < sizeof terms / sizeof *terms; k += 2) {
+        odd = _mm256_add_pd(_mm256_mul_pd(odd, w2), _mm256_set1_pd(terms[k]));
+        even = _mm256_add_pd(_mm256_mul_pd(even, w2), _mm256_set1_pd(terms[k + 1]));
+    }
+    __m256d t = _mm256_mul_pd(_mm256_add_pd(_mm256_mul_pd(odd, w), even), u);
+    t = _mm256_blendv_pd(t, _mm256_sub_pd(_mm256_set1_pd(90e6), t),
+                         _mm256_cmp_pd(s2, _mm256_mul_pd(d, d), _CMP_GT_OQ));
+    t = _mm256_blendv_pd(t, _mm256_sub_pd(_mm256_set1_pd(180e6), t), d);
+    return _mm256_add_pd(t, _mm256_set1_pd(TO_PARTS));
 }
 
 /* Micro-degrees + ROUND_BIN */
@@ -122,8 +150,9 @@ static inline __m256d tangents_of(const pairs *p, int32_t i)
 {
     const __m256d u0 = _mm256_cvtps_pd(_mm_loadu_ps(p->u0 + i));
     const __m256d g = _mm256_cvtps_pd(_mm_loadu_ps(p->g + i));
-    const __m256d s = _mm256_mul_pd(u0, _mm256_loadu_pd(p->d + i));
-    const __m256d rest = _mm256_sub_pd(_mm256_loadu_pd(p->s2 + i), _mm256_mul_pd(s, s));
+    const __m256d s2 = _mm256_loadu_pd(p->s2 + i), d = _mm256_loadu_pd(p->d + i);
+    const __m256d d2 = _mm256_mul_pd(d, d), low = _mm256_min_pd(s2, d2), high = _mm256_max_pd(s2, d2);
+    const __m256d rest = _mm256_sub_pd(low, _mm256_mul_pd(_mm256_mul_pd(u0, u0), high));
     return _mm256_add_pd(u0, _mm256_mul_pd(rest, g));
 }
 
@@ -150,7 +179,7 @@ static inline bool add_eight(int32_t *bins, added *to, const __m256d angles[2])
     return true;
 }
 
-/* Lanes are 32 bits of which no sum reaches the highest. */
+/* Lanes are unsigned 32 bits. */
 ONE_COPY static void add_channel(ntp__compared *out, int k, __m256i sum, __m256i most)
 {
     int32_t each[STEP], highest[STEP];
@@ -162,33 +191,44 @@ ONE_COPY static void add_channel(ntp__compared *out, int k, __m256i sum, __m256i
     }
 }
 
-static void find_angles(ntp__compared *out, pairs *p)
+/* Of up to FEW eights, which begin where `at` says. */
+static inline void find_few(ntp__compared *out, pairs *p, const int32_t *at, int32_t n, bool any)
 {
     added to = { _mm256_setzero_si256(), _mm256_setzero_si256() };
-    int32_t found = 0, left = out->left;
-    __m256d four[NTP__BLOCK / 4];
+    int32_t listed = p->listed, left = out->left;
+    __m256d four[2 * FEW];
 
     /* In three loops, for of one long chain few steps would be in flight. */
-    for (int32_t i = 0; i < p->smalls; i++) {
-        four[2 * i] = tangents_of(p, p->small[i]);
-        four[2 * i + 1] = tangents_of(p, p->small[i] + STEP / 2);
+    for (int32_t i = 0; i < n; i++) {
+        four[2 * i] = tangents_of(p, at[i]);
+        four[2 * i + 1] = tangents_of(p, at[i] + STEP / 2);
     }
-    for (int32_t i = 0; i < 2 * p->smalls; i++)
-        four[i] = angle_of(four[i]);
-    for (int32_t i = 0; i < p->smalls; i++) {
-        if (add_eight(p->bin + found, &to, four + 2 * i))
-            found += STEP;
-        else
-            p->large[p->larges++] = p->small[i];
+    for (int32_t i = 0; i < 2 * n; i++) {
+        const int32_t k = at[i / 2] + i % 2 * (STEP / 2);
+        four[i] = any ? any_angle(four[i], _mm256_loadu_pd(p->s2 + k), _mm256_loadu_pd(p->d + k))
+                      : small_angle(four[i]);
+    }
+    for (int32_t i = 0; i < n; i++) {
+        if (add_eight(p->bin + listed, &to, four + 2 * i)) {
+            listed += STEP;
+        } else {
+            store_eight(out->s2 + left, load_eight(p->s2 + at[i]));
+            store_eight(out->d + left, load_eight(p->d + at[i]));
+            left += STEP;
+        }
     }
     add_channel(out, ANGLES, to.sum, to.most);
-    for (int32_t i = 0; i < p->larges; i++, left += STEP) {
-        store_eight(out->s2 + left, load_eight(p->s2 + p->large[i]));
-        store_eight(out->d + left, load_eight(p->d + p->large[i]));
-    }
-    p->listed = found;
-    out->found += found;
+    out->found += listed - p->listed;
+    p->listed = listed;
     out->left = left;
+}
+
+ONE_COPY static void find_angles(ntp__compared *out, pairs *p)
+{
+    for (int32_t i = 0; i < p->smalls; i += FEW)
+        find_few(out, p, p->small + i, p->smalls - i < FEW ? p->smalls - i : FEW, false);
+    for (int32_t i = 0; i < p->larges; i += FEW)
+        find_few(out, p, p->large + i, p->larges - i < FEW ? p->larges - i : FEW, true);
 }
 
 /* ------------------------------------------------------------------------------ 8 bit */
@@ -234,7 +274,15 @@ static inline void multiply8(pairs *p, texels8 a, texels8 off)
         .rg = _mm256_sub_epi16(_mm256_add_epi16(a.rg, a.rg), _mm256_set1_epi16(255)),
         .b = _mm256_sub_epi16(_mm256_add_epi16(a.b, a.b), _mm256_set1_epi32(255)),
     };
-    const __m256i k = dot8(v, v), l = dot8(off, off), e = dot8(v, off);
+    const __m256i k = dot8(v, v);
+    __m256i l = dot8(off, off), e = dot8(v, off);
+    const __m256i corners = _mm256_cmpeq_epi32(l, _mm256_set1_epi32(3 * 255 * 255));
+    if (_mm256_movemask_ps(_mm256_castsi256_ps(corners)) != 0) {
+        const __m256i gray = _mm256_or_si256(a.b, _mm256_slli_epi32(a.b, 16));
+        const __m256i unused = _mm256_and_si256(corners, _mm256_cmpeq_epi32(a.rg, gray));
+        l = _mm256_andnot_si256(unused, l);
+        e = _mm256_andnot_si256(unused, e);
+    }
     const __m256i k1 = _mm256_srli_epi64(k, 32), l1 = _mm256_srli_epi64(l, 32);
     const __m256i e1 = _mm256_srli_epi64(e, 32);
     const __m256i d = _mm256_add_epi32(_mm256_add_epi32(e, e), k);
@@ -298,16 +346,29 @@ static inline void multiply16(pairs *p, int half, __m256i a, __m256i b)
     _mm256_storeu_pd(d, _mm256_add_pd(dot, _mm256_mul_pd(z1, z2)));
 }
 
-/* |a - b| of four texels; returns how many are different. */
-static inline int32_t add_levels16(sums *sum, __m256i a, __m256i b)
+/* Samples of four texels, 64 bits each. */
+static inline __m256i spread16(__m256i v)
 {
-    const __m256i off = _mm256_or_si256(_mm256_subs_epu16(a, b), _mm256_subs_epu16(b, a));
-    const __m256i v = SHUFFLES(off, 0, 1, 2, 3, 4, 5, -1, -1, 6, 7, 8, 9, 10, 11, -1, -1, 4, 5, 6,
-                               7, 8, 9, -1, -1, 10, 11, 12, 13, 14, 15, -1, -1);
-    const __m256i same = _mm256_cmpeq_epi64(v, _mm256_setzero_si256());
+    return SHUFFLES(v, 0, 1, 2, 3, 4, 5, -1, -1, 6, 7, 8, 9, 10, 11, -1, -1, 4, 5, 6, 7, 8, 9, -1,
+                    -1, 10, 11, 12, 13, 14, 15, -1, -1);
+}
+
+/* |a - b| of four texels; returns how many are different.  d of those that are unused becomes positive. */
+static inline int32_t add_levels16(sums *sum, double *d, __m256i a, __m256i b)
+{
+    const __m256i white = _mm256_set1_epi64x(0xffffffffffff), zero = _mm256_setzero_si256();
+    const __m256i v = spread16(_mm256_or_si256(_mm256_subs_epu16(a, b), _mm256_subs_epu16(b, a)));
+    const __m256i same = _mm256_cmpeq_epi64(v, zero), corners = _mm256_cmpeq_epi64(v, white);
     sum->low = _mm256_add_epi32(sum->low, _mm256_and_si256(v, _mm256_set1_epi32(65535)));
     sum->high = _mm256_add_epi32(sum->high, _mm256_srli_epi32(v, 16));
     sum->most_low = _mm256_max_epu16(sum->most_low, v);
+    if (_mm256_movemask_pd(_mm256_castsi256_pd(corners)) != 0) {
+        const __m256i w = spread16(a);
+        const __m256i gray = _mm256_or_si256(_mm256_cmpeq_epi64(w, zero), _mm256_cmpeq_epi64(w, white));
+        const __m256d unused = _mm256_castsi256_pd(_mm256_and_si256(gray, corners));
+        _mm256_storeu_pd(d, _mm256_andnot_pd(_mm256_and_pd(unused, _mm256_set1_pd(-0.0)),
+                                             _mm256_loadu_pd(d)));
+    }
     return STEP / 2 - __builtin_popcount((uint32_t) _mm256_movemask_pd(_mm256_castsi256_pd(same)));
 }
 
@@ -318,9 +379,10 @@ static inline void step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t 
     const __m256i a1 = load_two(pa + HALF, pa + HALF + 8), b1 = load_two(pb + HALF, pb + HALF + 8);
     if (are_equal(a0, b0) && are_equal(a1, b1))
         return;
-    p->different += add_levels16(sum, a0, b0) + add_levels16(sum, a1, b1);
+    double *const d = p->d + p->n;
     multiply16(p, 0, a0, b0);
     multiply16(p, 1, a1, b1);
+    p->different += add_levels16(sum, d, a0, b0) + add_levels16(sum, d + STEP / 2, a1, b1);
     p->n += STEP;
 }
 

@@ -28,7 +28,10 @@
 /* One more of the last place: of the places of those in doubt only the lowest two bits can be set. */
 #define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5 + 1.0 / (1 << PART_BITS))
 
-enum { STEP = LANES_512 };
+enum {
+    STEP = LANES_512,
+    MANY = 16 /* in 4 of a sample of a quarter: where a 4th is large */
+};
 
 /* What is kept of a block. */
 typedef struct pairs {
@@ -39,7 +42,7 @@ typedef struct pairs {
      * of those for which it is right */
     double angle[LEFT + STEP];
     uint16_t different[LEFT / STEP], found[LEFT / STEP];
-    int32_t n, listed, bin[NTP__BLOCK + LEFT + STEP];
+    int32_t n, listed, unused, bin[NTP__BLOCK + LEFT + STEP];
     int32_t last; /* a bin that was found */
     uint32_t *bins;
 } pairs;
@@ -74,13 +77,7 @@ static inline __m512d small_angle(__m512d u)
 /* As small_angle, of any vectors that are not opposite.  Terms of odd and of even powers are added apart. */
 ONE_COPY static __m512d any_angle(__m512d s2, __m512d d)
 {
-    static const double terms[] = {
-        -0x1.a66f351242a8cp+13, 0x1.b565140a561e2p+16,  -0x1.a9e3b031273a9p+18,
-        0x1.07445610b8cecp+20,  -0x1.db5647d014acap+20, 0x1.59d3927db7955p+21,
-        -0x1.b96529c6dcc5ep+21, 0x1.098ad90ad6303p+22,  -0x1.3d3af1a59b439p+22,
-        0x1.84785c0f2d600p+22,  -0x1.f3925dc7bdfadp+22, 0x1.5db49b6394bcep+23,
-        -0x1.236be1079ab1bp+24, 0x1.b521d1c18d4afp+25,
-    };
+    static const double terms[] = { ATAN_TERMS };
     const __m512d d2 = _mm512_mul_pd(d, d), u = quotient(_mm512_min_pd(s2, d2), s2, d2);
     const __m512d w = _mm512_mul_pd(u, u);
     const __mmask8 beside = _mm512_cmp_pd_mask(s2, d2, _CMP_GT_OQ);
@@ -170,47 +167,73 @@ ONE_COPY static void add_angles(ntp__compared *out, pairs *p, const double *s2, 
     p->listed += bins;
 }
 
-static inline uint32_t is_small(__m512d u, __m512d d)
+/* Bits of those whose tangent u is small. */
+static inline uint32_t are_small(__m512d u, __m512d d)
 {
     const __mmask8 ahead = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_GT_OQ);
     return _mm512_mask_cmp_pd_mask(ahead, u, _mm512_set1_pd(SMALL), _CMP_LE_OQ);
 }
 
-/* The small angles of texels that are different. */
-static void find_small(ntp__compared *out, pairs *p)
+/* The small angles of texels that are different, or any. */
+static inline void find(ntp__compared *out, pairs *p, const double *s2, const double *d, int32_t n,
+                        int32_t left, bool any)
 {
-    for (int32_t i = 0; i < p->n; i += STEP) {
-        const uint16_t different = p->different[i / STEP];
-        uint32_t small = 0;
+    for (int32_t i = 0; i < n; i += STEP) {
+        uint32_t found = any ? UINT16_MAX : 0;
         for (int32_t k = 0; k < STEP; k += STEP / 2) {
-            const __m512d s2 = _mm512_load_pd(p->s2 + i + k), d = _mm512_load_pd(p->d + i + k);
-            const __m512d u = quotient(s2, s2, _mm512_mul_pd(d, d));
-            small |= is_small(u, d) << k;
-            _mm512_store_pd(p->angle + i + k, small_angle(u));
+            const __m512d v = _mm512_loadu_pd(s2 + i + k), w = _mm512_loadu_pd(d + i + k);
+            if (any) {
+                _mm512_store_pd(p->angle + i + k, any_angle(v, w));
+            } else {
+                const __m512d u = quotient(v, v, _mm512_mul_pd(w, w));
+                found |= are_small(u, w) << k;
+                _mm512_store_pd(p->angle + i + k, small_angle(u));
+            }
         }
-        p->found[i / STEP] = different & (uint16_t) small;
-        out->different += __builtin_popcount(different);
+        p->found[i / STEP] = p->different[i / STEP] & (uint16_t) found;
     }
-    add_angles(out, p, p->s2, p->d, p->n, out->left);
+    add_angles(out, p, s2, d, n, left);
+}
+
+ONE_COPY static void find_any(ntp__compared *out, pairs *p, const double *s2, const double *d,
+                              int32_t n, int32_t left)
+{
+    find(out, p, s2, d, n, left, true);
+}
+
+/* Are so many angles of a block large that it is quicker to take all as such?  Every fourth eight tell.
+ * And counts those that are different. */
+static bool are_large(ntp__compared *out, const pairs *p)
+{
+    const int32_t apart = 2 * STEP;
+    int32_t large = 0;
+    for (int32_t i = 0; i < p->n; i += STEP)
+        out->different += __builtin_popcount(p->different[i / STEP]);
+    for (int32_t i = 0; i < p->n; i += apart) {
+        const __m512d d = _mm512_load_pd(p->d + i), s2 = _mm512_load_pd(p->s2 + i);
+        const __m512d ahead = _mm512_max_pd(d, _mm512_setzero_pd());
+        const __m512d least = _mm512_mul_pd(_mm512_mul_pd(d, ahead), _mm512_set1_pd(SMALL * SMALL));
+        large += __builtin_popcount(_mm512_cmp_pd_mask(s2, least, _CMP_GE_OQ));
+    }
+    return MANY * large > p->n;
+}
+
+/* The angles of a block. */
+static void find_block(ntp__compared *out, pairs *p)
+{
+    if (are_large(out, p))
+        find_any(out, p, p->s2, p->d, p->n, out->left);
+    else
+        find(out, p, p->s2, p->d, p->n, out->left, false);
 }
 
 /* The angles of those that were left from `first` on; then those in doubt are. */
 static void find_others(ntp__compared *out, pairs *p, int32_t first)
 {
-    const double *const s2 = out->s2 + first, *const d = out->d + first;
     const int32_t n = out->left - first;
-    for (int32_t i = 0; i < n; i += STEP) {
-        const uint32_t here = n - i < STEP ? (1U << (n - i)) - 1 : UINT16_MAX;
-        uint32_t some = 0;
-        for (int32_t k = 0; k < STEP; k += STEP / 2) {
-            const __m512d v = _mm512_loadu_pd(s2 + i + k), w = _mm512_loadu_pd(d + i + k);
-            some |= (uint32_t) _mm512_cmp_pd_mask(v, _mm512_setzero_pd(), _CMP_GT_OQ) << k;
-            _mm512_store_pd(p->angle + i + k, any_angle(v, w));
-        }
-        p->different[i / STEP] = (uint16_t) here;
-        p->found[i / STEP] = (uint16_t) (here & some);
-    }
-    add_angles(out, p, s2, d, n, first);
+    for (int32_t i = 0; i < n; i += STEP)
+        p->different[i / STEP] = (uint16_t) (n - i < STEP ? (1U << (n - i)) - 1 : UINT16_MAX);
+    find_any(out, p, out->s2 + first, out->d + first, n, first);
 }
 
 /* s2 and d of the next 16, and bits of those that are different. */
@@ -243,8 +266,8 @@ static inline __m512d to_doubles(__m512i v, int k)
 }
 
 /* With v of a, and w = v + 2 off: half of v x w = 2 v x off and of v . w = v . v + 2 v . off.  Returns
- * bits of those that are different. */
-static inline uint32_t multiply8(__m512d s2[2], __m512d d[2], texels a, texels off)
+ * |off|^2. */
+static inline __m512i multiply8(__m512d s2[2], __m512d d[2], texels a, texels off)
 {
     const texels v = {
         .rg = _mm512_sub_epi16(_mm512_add_epi16(a.rg, a.rg), _mm512_set1_epi16(255)),
@@ -256,7 +279,7 @@ static inline uint32_t multiply8(__m512d s2[2], __m512d d[2], texels a, texels o
         s2[i] = _mm512_fnmadd_pd(f, f, _mm512_mul_pd(m, to_doubles(l, i)));
         d[i] = _mm512_fmadd_pd(m, _mm512_set1_pd(0.5), f);
     }
-    return _mm512_test_epi32_mask(l, l);
+    return l;
 }
 
 static inline void step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
@@ -272,7 +295,15 @@ static inline void step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *
     sum->most_low = _mm512_max_epi16(sum->most_low, rg);
     sum->most_high = _mm512_max_epi16(sum->most_high, blue);
     __m512d s2[2], d[2];
-    const uint32_t different = multiply8(s2, d, a, off);
+    const __m512i l = multiply8(s2, d, a, off);
+    uint32_t different = _mm512_test_epi32_mask(l, l);
+    const __mmask16 corners = _mm512_cmpeq_epi32_mask(l, _mm512_set1_epi32(3 * 255 * 255));
+    if (corners != 0) {
+        const __m512i gray = _mm512_or_si512(a.b, _mm512_slli_epi32(a.b, 16));
+        const uint32_t unused = _mm512_mask_cmpeq_epi32_mask(corners, a.rg, gray);
+        p->unused += __builtin_popcount(unused);
+        different &= ~unused;
+    }
     keep(p, s2, d, different);
 }
 
@@ -312,20 +343,35 @@ static inline void multiply16(__m512d *s2, __m512d *d, __m512i a, __m512i b)
     *d = _mm512_fmadd_pd(z1, z2, _mm512_fmadd_pd(y1, y2, _mm512_mul_pd(x1, x2)));
 }
 
-/* |a - b| of eight texels; returns bits of those that are different. */
-static inline uint32_t add_levels16(sums *sum, __m512i a, __m512i b)
+/* The samples of eight texels, 64 bits each. */
+static inline __m512i spread16(__m512i v)
 {
     const __m512i first = _mm512_setr_epi64(0, 3, 6, 9, 12, 15, 18, 21);
     const __m512i from =
         _mm512_add_epi64(_mm512_or_si512(_mm512_or_si512(first, _mm512_slli_epi64(first, 16)),
                                          _mm512_slli_epi64(first, 32)),
                          _mm512_set1_epi64(0x000200010000));
-    const __m512i off = _mm512_or_si512(_mm512_subs_epu16(a, b), _mm512_subs_epu16(b, a));
-    const __m512i v = _mm512_maskz_permutexvar_epi16(0x77777777, from, off);
+    return _mm512_maskz_permutexvar_epi16(0x77777777, from, v);
+}
+
+/* |a - b| of eight texels; returns bits of those that are different and not unused. */
+static inline uint32_t add_levels16(pairs *p, sums *sum, __m512i a, __m512i b)
+{
+    const __m512i white = _mm512_set1_epi64(0xffffffffffff);
+    const __m512i v = spread16(_mm512_or_si512(_mm512_subs_epu16(a, b), _mm512_subs_epu16(b, a)));
     sum->low = _mm512_add_epi32(sum->low, _mm512_and_si512(v, _mm512_set1_epi32(65535)));
     sum->high = _mm512_add_epi32(sum->high, _mm512_srli_epi32(v, 16));
     sum->most_low = _mm512_max_epu16(sum->most_low, v);
-    return _mm512_test_epi64_mask(v, v);
+    uint32_t different = _mm512_test_epi64_mask(v, v);
+    const __mmask8 corners = _mm512_cmpeq_epi64_mask(v, white);
+    if (corners != 0) {
+        const __m512i w = spread16(a);
+        const __mmask8 black = _mm512_mask_cmpeq_epi64_mask(corners, w, _mm512_setzero_si512());
+        const uint32_t unused = black | _mm512_mask_cmpeq_epi64_mask(corners, w, white);
+        p->unused += __builtin_popcount(unused);
+        different &= ~unused;
+    }
+    return different;
 }
 
 static inline void step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
@@ -336,7 +382,7 @@ static inline void step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t 
     const __m512i a1 = load_48(pa + HALF), b1 = load_48(pb + HALF);
     if (are_equal(a0, b0) && are_equal(a1, b1))
         return;
-    const uint32_t low = add_levels16(sum, a0, b0), high = add_levels16(sum, a1, b1);
+    const uint32_t low = add_levels16(p, sum, a0, b0), high = add_levels16(p, sum, a1, b1);
     multiply16(&s2[0], &d[0], a0, b0);
     multiply16(&s2[1], &d[1], a1, b1);
     keep(p, s2, d, low | high << 8);
@@ -361,7 +407,7 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
     int32_t rest = span, kept = 0;
     sums sum = { zero, zero, zero, zero };
     pairs p;
-    p.listed = 0;
+    p.listed = p.unused = 0;
     p.bins = out->bins;
     memset(out, 0, offsetof(ntp__compared, fullest));
     p.last = out->fullest;
@@ -370,7 +416,7 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
         const uint8_t *const vb = (const uint8_t *) b + texel * (span - rest);
         rest = take_steps(&p, &sum, va, vb, rest, deep);
         count_rest(&p);
-        find_small(out, &p);
+        find_block(out, &p);
         if (rest == 0 || out->left > KEPT) {
             find_others(out, &p, kept);
             kept = out->left;
@@ -382,6 +428,7 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
         finish8(out, &sum);
     count_rest(&p);
     const int32_t found = out->different - out->left;
+    out->different += p.unused;
     out->bins[out->fullest] += (uint32_t) (found - out->found);
     out->found = found;
     /* Of bins that are taken anywhere, full ones come up soon. */
