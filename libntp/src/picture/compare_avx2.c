@@ -192,7 +192,7 @@ ONE_COPY static void add_channel(ntp__compared *out, int k, __m256i sum, __m256i
 }
 
 /* Of up to FEW eights, which begin where `at` says. */
-static inline void find_few(ntp__compared *out, pairs *p, const int32_t *at, int32_t n, bool any)
+ONE_COPY static void find_few(ntp__compared *out, pairs *p, const int32_t *at, int32_t n, bool any)
 {
     added to = { _mm256_setzero_si256(), _mm256_setzero_si256() };
     int32_t listed = p->listed, left = out->left;
@@ -203,10 +203,11 @@ static inline void find_few(ntp__compared *out, pairs *p, const int32_t *at, int
         four[2 * i] = tangents_of(p, at[i]);
         four[2 * i + 1] = tangents_of(p, at[i] + STEP / 2);
     }
-    for (int32_t i = 0; i < 2 * n; i++) {
+    for (int32_t i = 0; i < 2 * n && !any; i++)
+        four[i] = small_angle(four[i]);
+    for (int32_t i = 0; i < 2 * n && any; i++) {
         const int32_t k = at[i / 2] + i % 2 * (STEP / 2);
-        four[i] = any ? any_angle(four[i], _mm256_loadu_pd(p->s2 + k), _mm256_loadu_pd(p->d + k))
-                      : small_angle(four[i]);
+        four[i] = any_angle(four[i], _mm256_loadu_pd(p->s2 + k), _mm256_loadu_pd(p->d + k));
     }
     for (int32_t i = 0; i < n; i++) {
         if (add_eight(p->bin + listed, &to, four + 2 * i)) {
@@ -223,7 +224,7 @@ static inline void find_few(ntp__compared *out, pairs *p, const int32_t *at, int
     out->left = left;
 }
 
-ONE_COPY static void find_angles(ntp__compared *out, pairs *p)
+static void find_angles(ntp__compared *out, pairs *p)
 {
     for (int32_t i = 0; i < p->smalls; i += FEW)
         find_few(out, p, p->small + i, p->smalls - i < FEW ? p->smalls - i : FEW, false);
