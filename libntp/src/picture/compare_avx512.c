@@ -41,7 +41,7 @@ typedef struct pairs {
     /* Of these or of those that are left: angles as small_angle has them, bits of texels that have one, and
      * of those for which it is right */
     double angle[LEFT + STEP];
-    uint16_t different[LEFT / STEP], found[LEFT / STEP];
+    uint16_t different[LEFT / STEP];
     int32_t n, listed, unused, bin[NTP__BLOCK + LEFT + STEP];
     int32_t last; /* a bin that was found */
     uint32_t *bins;
@@ -63,26 +63,27 @@ static inline __m512d quotient(__m512d low, __m512d s2, __m512d d2)
 }
 
 /* atan(u) + ROUND_BIN + 1/2 + 2^-PART_BITS in units of 2^-PART_BITS micro-degrees, with other bits above those of 180
- * degrees. */
-static inline __m512d small_angle(__m512d u)
+ * degrees; 0, as one in doubt, if u is not small, or d not positive. */
+static inline __m512d small_angle(__m512d u, __m512d d)
 {
-    /* In pairs, which wait for each other less than one term after the other would. */
-    const __m512d w = _mm512_mul_pd(u, u), w2 = _mm512_mul_pd(w, w);
-    const __m512d p = _mm512_fmadd_pd(_mm512_set1_pd(C1), w, _mm512_set1_pd(C0));
-    const __m512d q = _mm512_fmadd_pd(_mm512_set1_pd(C3), w, _mm512_set1_pd(C2));
-    const __m512d r = _mm512_fmadd_pd(_mm512_set1_pd(C4), w2, q);
-    return _mm512_fmadd_pd(_mm512_fmadd_pd(r, w2, p), u, _mm512_set1_pd(TO_PARTS));
+    const __mmask8 ahead = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_GT_OQ);
+    const __mmask8 small = _mm512_mask_cmp_pd_mask(ahead, u, _mm512_set1_pd(SMALL), _CMP_LE_OQ);
+    const __m512d w = _mm512_mul_pd(u, u);
+    __m512d t = _mm512_fmadd_pd(_mm512_set1_pd(C4), w, _mm512_set1_pd(C3));
+    t = _mm512_fmadd_pd(t, w, _mm512_set1_pd(C2));
+    t = _mm512_fmadd_pd(t, w, _mm512_set1_pd(C1));
+    t = _mm512_fmadd_pd(t, w, _mm512_set1_pd(C0));
+    return _mm512_maskz_fmadd_pd(small, t, u, _mm512_set1_pd(TO_PARTS));
 }
 
-/* As small_angle, of any vectors that are not opposite.  Terms of odd and of even powers are added apart. */
-ONE_COPY static __m512d any_angle(__m512d s2, __m512d d)
+/* As small_angle, of any vectors: u is the tangent of the angle to the nearest of 0, 90 and 180 degrees.  Terms of
+ * odd and of even powers are added apart. */
+static inline __m512d any_angle(__m512d u, __m512d s2, __m512d d)
 {
     static const double terms[] = { ATAN_TERMS };
-    const __m512d d2 = _mm512_mul_pd(d, d), u = quotient(_mm512_min_pd(s2, d2), s2, d2);
-    const __m512d w = _mm512_mul_pd(u, u);
-    const __mmask8 beside = _mm512_cmp_pd_mask(s2, d2, _CMP_GT_OQ);
+    const __m512d w = _mm512_mul_pd(u, u), w2 = _mm512_mul_pd(w, w);
+    const __mmask8 beside = _mm512_cmp_pd_mask(s2, _mm512_mul_pd(d, d), _CMP_GT_OQ);
     const __mmask8 behind = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_LT_OQ);
-    const __m512d w2 = _mm512_mul_pd(w, w);
     __m512d odd = _mm512_set1_pd(terms[0]), even = _mm512_set1_pd(terms[1]);
 #pragma GCC unroll 1
     for (size_t k = 2; k < sizeof terms / sizeof *terms; k += 2) {
@@ -140,7 +141,7 @@ ONE_COPY static void add_angles(ntp__compared *out, pairs *p, const double *s2, 
         const __m512i a0 = _mm512_srli_epi64(v0, PART_BITS), a1 = _mm512_srli_epi64(v1, PART_BITS);
         const __mmask16 clear =
             _mm512_kunpackb(_mm512_test_epi64_mask(v1, parts), _mm512_test_epi64_mask(v0, parts));
-        const __mmask16 sure = _kand_mask16(clear, _cvtu32_mask16(p->found[i / STEP]));
+        const __mmask16 sure = _kand_mask16(clear, _cvtu32_mask16(p->different[i / STEP]));
         const __m512i angle = _mm512_permutex2var_epi32(a0, evens, a1);
         const __m512i b = _mm512_srli_epi32(
             _mm512_permutex2var_epi32(_mm512_mul_epu32(a0, by), odds, _mm512_mul_epu32(a1, by)),
@@ -167,38 +168,35 @@ ONE_COPY static void add_angles(ntp__compared *out, pairs *p, const double *s2, 
     p->listed += bins;
 }
 
-/* Bits of those whose tangent u is small. */
-static inline uint32_t are_small(__m512d u, __m512d d)
+/* Any angles of texels that are different. */
+ONE_COPY static void find_any(ntp__compared *out, pairs *p, const double *s2, const double *d,
+                              int32_t n, int32_t left)
 {
-    const __mmask8 ahead = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_GT_OQ);
-    return _mm512_mask_cmp_pd_mask(ahead, u, _mm512_set1_pd(SMALL), _CMP_LE_OQ);
-}
-
-/* The small angles of texels that are different, or any. */
-static inline void find(ntp__compared *out, pairs *p, const double *s2, const double *d, int32_t n,
-                        int32_t left, bool any)
-{
-    for (int32_t i = 0; i < n; i += STEP) {
-        uint32_t found = any ? UINT16_MAX : 0;
-        for (int32_t k = 0; k < STEP; k += STEP / 2) {
-            const __m512d v = _mm512_loadu_pd(s2 + i + k), w = _mm512_loadu_pd(d + i + k);
-            if (any) {
-                _mm512_store_pd(p->angle + i + k, any_angle(v, w));
-            } else {
-                const __m512d u = quotient(v, v, _mm512_mul_pd(w, w));
-                found |= are_small(u, w) << k;
-                _mm512_store_pd(p->angle + i + k, small_angle(u));
-            }
-        }
-        p->found[i / STEP] = p->different[i / STEP] & (uint16_t) found;
+    for (int32_t i = 0; i < n; i += STEP / 2) {
+        const __m512d v = _mm512_loadu_pd(s2 + i), w = _mm512_loadu_pd(d + i);
+        const __m512d w2 = _mm512_mul_pd(w, w);
+        _mm512_store_pd(p->angle + i, quotient(_mm512_min_pd(v, w2), v, w2));
+    }
+    for (int32_t i = 0; i < n; i += STEP / 2) {
+        const __m512d u = _mm512_load_pd(p->angle + i);
+        _mm512_store_pd(p->angle + i,
+                        any_angle(u, _mm512_loadu_pd(s2 + i), _mm512_loadu_pd(d + i)));
     }
     add_angles(out, p, s2, d, n, left);
 }
 
-ONE_COPY static void find_any(ntp__compared *out, pairs *p, const double *s2, const double *d,
-                              int32_t n, int32_t left)
+/* Their small angles. */
+static void find_small(ntp__compared *out, pairs *p)
 {
-    find(out, p, s2, d, n, left, true);
+    for (int32_t i = 0; i < p->n; i += STEP / 2) {
+        const __m512d s2 = _mm512_load_pd(p->s2 + i), d = _mm512_load_pd(p->d + i);
+        _mm512_store_pd(p->angle + i, quotient(s2, s2, _mm512_mul_pd(d, d)));
+    }
+    for (int32_t i = 0; i < p->n; i += STEP / 2) {
+        const __m512d u = _mm512_load_pd(p->angle + i), d = _mm512_load_pd(p->d + i);
+        _mm512_store_pd(p->angle + i, small_angle(u, d));
+    }
+    add_angles(out, p, p->s2, p->d, p->n, out->left);
 }
 
 /* Are so many angles of a block large that it is quicker to take all as such?  Every fourth eight tell.
@@ -224,7 +222,7 @@ static void find_block(ntp__compared *out, pairs *p)
     if (are_large(out, p))
         find_any(out, p, p->s2, p->d, p->n, out->left);
     else
-        find(out, p, p->s2, p->d, p->n, out->left, false);
+        find_small(out, p);
 }
 
 /* The angles of those that were left from `first` on; then those in doubt are. */
