@@ -43,7 +43,6 @@ typedef struct pairs {
     double angle[LEFT + STEP];
     uint16_t different[LEFT / STEP];
     int32_t n, listed, unused, bin[NTP__BLOCK + LEFT + STEP];
-    int32_t last; /* a bin that was found */
     uint32_t *bins;
 } pairs;
 
@@ -129,11 +128,10 @@ ONE_COPY static void add_angles(ntp__compared *out, pairs *p, const double *s2, 
         _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
     const __m512i odds = _mm512_add_epi32(evens, _mm512_set1_epi32(1));
     const __m512i parts = _mm512_set1_epi64((1 << PART_BITS) - 4), by = _mm512_set1_epi32(BY_1000);
-    const __m512i fullest = _mm512_set1_epi32(out->fullest);
     /* Of micro-degrees + ROUND_BIN: no lane gets more than LEFT / STEP angles, below 2^32 */
     __m512i sum = _mm512_setzero_si512(), most = sum;
     int32_t *const bin = p->bin + p->listed;
-    int32_t bins = 0, some = 0, at[LEFT / STEP];
+    int32_t bins = 0, some = 0, full = 0, at[LEFT / STEP];
     uint16_t bits[LEFT / STEP];
     for (int32_t i = 0; i < n; i += STEP) {
         const __m512i v0 = _mm512_load_si512(p->angle + i);
@@ -147,24 +145,32 @@ ONE_COPY static void add_angles(ntp__compared *out, pairs *p, const double *s2, 
             _mm512_permutex2var_epi32(_mm512_mul_epu32(a0, by), odds, _mm512_mul_epu32(a1, by)),
             BY_BITS);
         /* Many of one bin would wait for each other. */
-        const __mmask16 listed = _mm512_mask_cmpneq_epi32_mask(sure, b, fullest);
+        const __mmask16 listed =
+            _mm512_mask_cmpneq_epi32_mask(sure, b, _mm512_set1_epi32(out->fullest));
+        const __m512i others = _mm512_maskz_compress_epi32(listed, b);
+        const uint32_t found = _cvtmask16_u32(sure), more = _cvtmask16_u32(listed);
         sum = _mm512_mask_add_epi32(sum, sure, sum, angle);
         most = _mm512_mask_max_epu32(most, sure, most, angle);
-        _mm512_storeu_si512(bin + bins, _mm512_maskz_compress_epi32(listed, b));
-        bins += __builtin_popcount(_cvtmask16_u32(listed));
+        _mm512_storeu_si512(bin + bins, others);
+        bins += __builtin_popcount(more);
+        full += __builtin_popcount(found ^ more);
+        const __m512i first = _mm512_broadcastd_epi32(_mm512_castsi512_si128(others));
+        if (__builtin_popcount(_mm512_mask_cmpeq_epi32_mask(listed, b, first)) >= STEP / 2) {
+            out->bins[out->fullest] += (uint32_t) full;
+            out->fullest = _mm512_cvtsi512_si32(first);
+            full = 0;
+        }
         /* No branch, for it would be taken at random.  Stores of nothing, all to one place, are slow: those
          * that are left are gathered later. */
-        const uint32_t others = p->different[i / STEP] & ~_cvtmask16_u32(sure);
         at[some] = i;
-        bits[some] = (uint16_t) others;
-        some += others != 0;
+        bits[some] = (uint16_t) (p->different[i / STEP] & ~found);
+        some += bits[some] != 0;
     }
     for (int32_t i = 0; i < some; i++)
         left += gather(out->s2 + left, out->d + left, s2 + at[i], d + at[i], bits[i]);
     add_channel(out, ANGLES, sum, most);
+    out->bins[out->fullest] += (uint32_t) full;
     out->left = left;
-    out->found += bins;
-    p->last = bins > 0 ? bin[0] : p->last;
     p->listed += bins;
 }
 
@@ -408,7 +414,6 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
     p.listed = p.unused = 0;
     p.bins = out->bins;
     memset(out, 0, offsetof(ntp__compared, fullest));
-    p.last = out->fullest;
     do {
         const uint8_t *const va = (const uint8_t *) a + texel * (span - rest);
         const uint8_t *const vb = (const uint8_t *) b + texel * (span - rest);
@@ -425,12 +430,7 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
     else
         finish8(out, &sum);
     count_rest(&p);
-    const int32_t found = out->different - out->left;
+    out->found = out->different - out->left;
     out->different += p.unused;
-    out->bins[out->fullest] += (uint32_t) (found - out->found);
-    out->found = found;
-    /* Of bins that are taken anywhere, full ones come up soon. */
-    if (out->bins[p.last] > out->bins[out->fullest])
-        out->fullest = p.last;
     return span - rest;
 }
