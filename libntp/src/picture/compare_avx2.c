@@ -114,28 +114,29 @@ static void find_first(pairs *p)
 /* atan(u) */
 static inline __m256d small_angle(__m256d u)
 {
-    const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
-    const __m256d p = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C1), w), _mm256_set1_pd(C0));
-    const __m256d q = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C3), w), _mm256_set1_pd(C2));
-    const __m256d r = _mm256_add_pd(_mm256_mul_pd(_mm256_set1_pd(C4), w2), q);
-    const __m256d t = _mm256_mul_pd(_mm256_add_pd(_mm256_mul_pd(r, w2), p), u);
-    return _mm256_add_pd(t, _mm256_set1_pd(TO_PARTS));
+    const __m256d w = _mm256_mul_pd(u, u);
+    __m256d t = _mm256_fmadd_pd(_mm256_set1_pd(C4), w, _mm256_set1_pd(C3));
+    t = _mm256_fmadd_pd(t, w, _mm256_set1_pd(C2));
+    t = _mm256_fmadd_pd(t, w, _mm256_set1_pd(C1));
+    t = _mm256_fmadd_pd(t, w, _mm256_set1_pd(C0));
+    return _mm256_fmadd_pd(t, u, _mm256_set1_pd(TO_PARTS));
 }
 
-/* atan(u) of s <= |d|, and atan(1/u) of others; of d < 0 180 degrees less that. */
+/* atan(u) of s <= |d|, and atan(1/u) of others; of d < 0 180 degrees less that.  Terms of odd and of even powers are
+ * added apart. */
 static inline __m256d any_angle(__m256d u, __m256d s2, __m256d d)
 {
     static const double terms[] = { ATAN_TERMS };
     const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
+    const __m256d beside = _mm256_cmp_pd(s2, _mm256_mul_pd(d, d), _CMP_GT_OQ);
     __m256d odd = _mm256_set1_pd(terms[0]), even = _mm256_set1_pd(terms[1]);
 #pragma GCC unroll 1
     for (size_t k = 2; k < sizeof terms / sizeof *terms; k += 2) {
-        odd = _mm256_add_pd(_mm256_mul_pd(odd, w2), _mm256_set1_pd(terms[k]));
-        even = _mm256_add_pd(_mm256_mul_pd(even, w2), _mm256_set1_pd(terms[k + 1]));
+        odd = _mm256_fmadd_pd(odd, w2, _mm256_set1_pd(terms[k]));
+        even = _mm256_fmadd_pd(even, w2, _mm256_set1_pd(terms[k + 1]));
     }
-    __m256d t = _mm256_mul_pd(_mm256_add_pd(_mm256_mul_pd(odd, w), even), u);
-    t = _mm256_blendv_pd(t, _mm256_sub_pd(_mm256_set1_pd(90e6), t),
-                         _mm256_cmp_pd(s2, _mm256_mul_pd(d, d), _CMP_GT_OQ));
+    __m256d t = _mm256_mul_pd(_mm256_fmadd_pd(odd, w, even), u);
+    t = _mm256_blendv_pd(t, _mm256_sub_pd(_mm256_set1_pd(90e6), t), beside);
     t = _mm256_blendv_pd(t, _mm256_sub_pd(_mm256_set1_pd(180e6), t), d);
     return _mm256_add_pd(t, _mm256_set1_pd(TO_PARTS));
 }
@@ -152,8 +153,8 @@ static inline __m256d tangents_of(const pairs *p, int32_t i)
     const __m256d g = _mm256_cvtps_pd(_mm_loadu_ps(p->g + i));
     const __m256d s2 = _mm256_loadu_pd(p->s2 + i), d = _mm256_loadu_pd(p->d + i);
     const __m256d d2 = _mm256_mul_pd(d, d), low = _mm256_min_pd(s2, d2), high = _mm256_max_pd(s2, d2);
-    const __m256d rest = _mm256_sub_pd(low, _mm256_mul_pd(_mm256_mul_pd(u0, u0), high));
-    return _mm256_add_pd(u0, _mm256_mul_pd(rest, g));
+    const __m256d rest = _mm256_fnmadd_pd(_mm256_mul_pd(u0, u0), high, low);
+    return _mm256_fmadd_pd(rest, g, u0);
 }
 
 /* Adds eight angles; false: one is not sure. */
@@ -338,13 +339,13 @@ static inline void multiply16(pairs *p, int half, __m256i a, __m256i b)
     double *const s2 = p->s2 + p->n + STEP / 2 * half, *const d = p->d + p->n + STEP / 2 * half;
     const __m256d x1 = NUMERATORS(a, 0), y1 = NUMERATORS(a, 1), z1 = NUMERATORS(a, 2);
     const __m256d x2 = NUMERATORS(b, 0), y2 = NUMERATORS(b, 1), z2 = NUMERATORS(b, 2);
-    const __m256d x = _mm256_sub_pd(_mm256_mul_pd(y1, z2), _mm256_mul_pd(z1, y2));
-    const __m256d y = _mm256_sub_pd(_mm256_mul_pd(z1, x2), _mm256_mul_pd(x1, z2));
-    const __m256d z = _mm256_sub_pd(_mm256_mul_pd(x1, y2), _mm256_mul_pd(y1, x2));
+    const __m256d x = _mm256_fmsub_pd(y1, z2, _mm256_mul_pd(z1, y2));
+    const __m256d y = _mm256_fmsub_pd(z1, x2, _mm256_mul_pd(x1, z2));
+    const __m256d z = _mm256_fmsub_pd(x1, y2, _mm256_mul_pd(y1, x2));
     const __m256d xy = _mm256_add_pd(_mm256_mul_pd(x, x), _mm256_mul_pd(y, y));
-    const __m256d dot = _mm256_add_pd(_mm256_mul_pd(x1, x2), _mm256_mul_pd(y1, y2));
+    const __m256d dot = _mm256_fmadd_pd(y1, y2, _mm256_mul_pd(x1, x2));
     _mm256_storeu_pd(s2, _mm256_add_pd(xy, _mm256_mul_pd(z, z)));
-    _mm256_storeu_pd(d, _mm256_add_pd(dot, _mm256_mul_pd(z1, z2)));
+    _mm256_storeu_pd(d, _mm256_fmadd_pd(z1, z2, dot));
 }
 
 /* Samples of four texels, 64 bits each. */
