@@ -45,7 +45,8 @@ static int allowed = NTP__CPU_ALL;
 bool ntp__cpu_has_avx2(int mask)
 {
 #ifdef NTP_HAVE_AVX2
-    return (mask & allowed & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
+    return (mask & allowed & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2") &&
+           __builtin_cpu_supports("fma");
 #else
     (void) mask;
     return false;

@@ -31,8 +31,9 @@ static void put(void *data, int32_t i, ntp_type type, int32_t level)
 
 /* The pairs: random ones; levels that are close; runs of equal texels; corners of the cube against the
  * opposite ones, as black against white; vectors that are nearly opposite; right angles, nearly; grays,
- * whose vectors are parallel or opposite; a few that are random among equal or close ones. */
-enum { RANDOM, CLOSE, RUNS, CORNERS, OPPOSITE, ACROSS, GRAYS, FEW, KINDS };
+ * whose vectors are parallel or opposite; a few that are random among equal or close ones; runs of the same
+ * pair, whose angles fall into one bin; black, white and gray against each other. */
+enum { RANDOM, CLOSE, RUNS, CORNERS, OPPOSITE, ACROSS, GRAYS, FEW, STEADY, DOTS, KINDS };
 
 static void change_other(int32_t other[3], int32_t level[3], int kind, int32_t m)
 {
@@ -43,7 +44,12 @@ static void change_other(int32_t other[3], int32_t level[3], int kind, int32_t m
         other[1] = m - level[0];
         other[2] = m / 2;
     }
-    for (int k = 1; k < 3 && kind == GRAYS; k++) {
+    if (kind == DOTS) {
+        const int32_t grays[] = { 0, m / 2, m };
+        other[0] = grays[other[0] % 3];
+        level[0] = grays[level[0] % 3];
+    }
+    for (int k = 1; k < 3 && (kind == GRAYS || kind == DOTS); k++) {
         other[k] = other[0];
         level[k] = level[0];
     }
@@ -56,8 +62,8 @@ static void make_pair(void *a, void *b, int32_t n, ntp_type type, int kind, uint
     for (int32_t i = 0; i < n; i++) {
         run = i % 24 == 0 ? (random_bits(seed) & 1) != 0 : run;
         const bool corner = kind == CORNERS && random_bits(seed) % 64 == 0;
-        const bool any =
-            kind == RANDOM || kind == GRAYS || (kind == FEW && random_bits(seed) % 8 == 0);
+        const bool any = kind == RANDOM || kind == GRAYS || kind >= STEADY ||
+                         (kind == FEW && random_bits(seed) % 8 == 0);
         const uint64_t which = random_bits(seed);
         int32_t level[3], other[3];
         for (int k = 0; k < 3; k++) {
@@ -69,6 +75,10 @@ static void make_pair(void *a, void *b, int32_t n, ntp_type type, int kind, uint
                 other[k] = level[k];
         }
         change_other(other, level, kind, m);
+        for (int k = 0; k < 3 && kind == STEADY && i % 40 > 0; k++) {
+            level[k] = level_at(a, 3 * (i - 1) + k, type);
+            other[k] = level_at(b, 3 * (i - 1) + k, type);
+        }
         for (int k = 0; k < 3; k++) {
             const int32_t o = other[k];
             const int32_t end = (which >> k & 1) != 0 ? m : 0;

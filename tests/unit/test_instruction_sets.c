@@ -20,7 +20,8 @@ static bool used;    /* by the library */
 bool ntp__cpu_has_avx2(int mask)
 {
 #ifdef __x86_64__
-    used = allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
+    used = allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2") &&
+           __builtin_cpu_supports("fma");
 #else
     (void) mask;
 #endif

@@ -14,7 +14,8 @@ static bool allowed; /* AVX2 */
 bool ntp__cpu_has_avx2(int mask)
 {
 #ifdef __x86_64__
-    return allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2");
+    return allowed && (mask & NTP__CPU_AVX2) != 0 && __builtin_cpu_supports("avx2") &&
+           __builtin_cpu_supports("fma");
 #else
     (void) mask;
     return false;

@@ -1,17 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * compare_avx2.c - differences of packed RGB in levels, and its small angles, with AVX2
+ * compare_avx2.c - differences of packed RGB in levels, and its angles, with AVX2
  *
- * Eight texels at a time: where all their angles are small and none is in doubt, they are found
- * here; otherwise the eight are left to the loops of texel/angles_tmpl.h, which take any angle.
+ * Eight texels at a time.  Those whose angles are all small are found with fewer terms, apart from others.
+ * Eight are left to the loops of texel/angles_tmpl.h where one is in doubt.
  *
- * With s^2 = |v x w|^2 and d = v . w, the angle is atan(u), u = s/d.  Floats give u0, off by at most
- * 2^-21 of u, and g, as near to 1/(2 s d).  Then u0 + (s^2 - (u0 d)^2) g is off by less than 2^-41 of
- * u: a step of Newton's method, in doubles.  A polynomial of 5 terms gives the arc tangent of up to
- * 0.201 to 1.0e-4 micro-degrees, and roundings and angle.c add less than 2e-6.  It is rounded to
- * PART_BITS binary places, which is off by half of the last.  In all this is less than two of that.
- * So an angle of which these places are at least two from the middle between two whole ones is
- * rounded as there.
+ * With s^2 = |v x w|^2, d = v . w and a = |d|, the angle to the nearest of 0, 90 and 180 degrees is
+ * atan(u), u = min(s, a)/max(s, a).  Floats give u0, off by at most 2^-21 of u, and g, as near to
+ * 1/(2 s a).  Then u0 + (min(s^2, d^2) - u0^2 max(s^2, d^2)) g is off by less than 2^-41 of u: a step of
+ * Newton's method, in doubles.  That is less than 1.4e-5 micro-degrees.  A polynomial of 5 terms gives the
+ * arc tangent of up to 0.201 to 1.0e-4 micro-degrees, one of 14 terms any to 3.3e-5, and roundings and
+ * angle.c add less than 2e-6.  It is rounded to PART_BITS binary places, which is off by half of the
+ * last.  In all this is less than two of that.  So an angle of which these places are at least two from
+ * the middle between two whole ones is rounded as there.  Of opposite vectors u is 0, and the angle exact.
+ *
+ * An unused texel, black or white, has no angle to the other of them: their product vector is 0, and the
+ * sign of d is made that of equal ones.
+ *
+ * Fused products only make errors smaller.  The squares of 16 bit have none, for they are handed on.
  */
 #include "picture/compare_avx2.h"
 
@@ -94,8 +100,7 @@ static void find_first(pairs *p)
         const __m256 g = _mm256_div_ps(_mm256_set1_ps(0.5F), _mm256_mul_ps(s, a));
         const __m256 u0 = _mm256_mul_ps(_mm256_min_ps(s2, d2), _mm256_add_ps(g, g));
         /* Or d is negative */
-        const __m256 large =
-            _mm256_cmp_ps(_mm256_mul_ps(d, _mm256_set1_ps(SMALL)), s, _CMP_LT_OQ);
+        const __m256 large = _mm256_cmp_ps(_mm256_mul_ps(d, _mm256_set1_ps(SMALL)), s, _CMP_LT_OQ);
         const bool all = _mm256_movemask_ps(large) == 0;
         _mm256_storeu_ps(p->u0 + i, u0);
         _mm256_storeu_ps(p->g + i, g);
@@ -110,6 +115,13 @@ static void find_first(pairs *p)
 /* With it the bits of a double are an angle + ROUND_BIN + 1/2 in units of 2^-PART_BITS micro-degrees, with others
  * above those of 180 degrees. */
 #define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5)
+
+const double ntp__atan_terms[NTP__ATAN_TERMS] = {
+    -0x1.a66f351242a8cp+13, 0x1.b565140a561e2p+16, -0x1.a9e3b031273a9p+18, 0x1.07445610b8cecp+20,
+    -0x1.db5647d014acap+20, 0x1.59d3927db7955p+21, -0x1.b96529c6dcc5ep+21, 0x1.098ad90ad6303p+22,
+    -0x1.3d3af1a59b439p+22, 0x1.84785c0f2d600p+22, -0x1.f3925dc7bdfadp+22, 0x1.5db49b6394bcep+23,
+    -0x1.236be1079ab1bp+24, 0x1.b521d1c18d4afp+25,
+};
 
 /* atan(u) */
 static inline __m256d small_angle(__m256d u)
@@ -126,12 +138,12 @@ static inline __m256d small_angle(__m256d u)
  * added apart. */
 static inline __m256d any_angle(__m256d u, __m256d s2, __m256d d)
 {
-    static const double terms[] = { ATAN_TERMS };
+    const double *const terms = ntp__atan_terms;
     const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
     const __m256d beside = _mm256_cmp_pd(s2, _mm256_mul_pd(d, d), _CMP_GT_OQ);
     __m256d odd = _mm256_set1_pd(terms[0]), even = _mm256_set1_pd(terms[1]);
 #pragma GCC unroll 1
-    for (size_t k = 2; k < sizeof terms / sizeof *terms; k += 2) {
+    for (size_t k = 2; k < NTP__ATAN_TERMS; k += 2) {
         odd = _mm256_fmadd_pd(odd, w2, _mm256_set1_pd(terms[k]));
         even = _mm256_fmadd_pd(even, w2, _mm256_set1_pd(terms[k + 1]));
     }
@@ -152,7 +164,8 @@ static inline __m256d tangents_of(const pairs *p, int32_t i)
     const __m256d u0 = _mm256_cvtps_pd(_mm_loadu_ps(p->u0 + i));
     const __m256d g = _mm256_cvtps_pd(_mm_loadu_ps(p->g + i));
     const __m256d s2 = _mm256_loadu_pd(p->s2 + i), d = _mm256_loadu_pd(p->d + i);
-    const __m256d d2 = _mm256_mul_pd(d, d), low = _mm256_min_pd(s2, d2), high = _mm256_max_pd(s2, d2);
+    const __m256d d2 = _mm256_mul_pd(d, d), low = _mm256_min_pd(s2, d2),
+                  high = _mm256_max_pd(s2, d2);
     const __m256d rest = _mm256_fnmadd_pd(_mm256_mul_pd(u0, u0), high, low);
     return _mm256_fmadd_pd(rest, g, u0);
 }
@@ -261,6 +274,19 @@ static inline __m256i dot8(texels8 v, texels8 w)
     return _mm256_add_epi32(_mm256_madd_epi16(v.rg, w.rg), _mm256_madd_epi16(v.b, w.b));
 }
 
+/* Where any are unused, l and e become 0. */
+static inline void leave_unused8(__m256i *l, __m256i *e, texels8 a)
+{
+    /* Of all opposite corners */
+    const __m256i corners = _mm256_cmpeq_epi32(*l, _mm256_set1_epi32(3 * 255 * 255));
+    if (_mm256_movemask_ps(_mm256_castsi256_ps(corners)) == 0)
+        return;
+    const __m256i gray = _mm256_or_si256(a.b, _mm256_slli_epi32(a.b, 16));
+    const __m256i unused = _mm256_and_si256(corners, _mm256_cmpeq_epi32(a.rg, gray));
+    *l = _mm256_andnot_si256(unused, *l);
+    *e = _mm256_andnot_si256(unused, *e);
+}
+
 /* k l - e^2: no product reaches 2^36. */
 static inline __m256d square8(__m256i k, __m256i l, __m256i e)
 {
@@ -278,13 +304,7 @@ static inline void multiply8(pairs *p, texels8 a, texels8 off)
     };
     const __m256i k = dot8(v, v);
     __m256i l = dot8(off, off), e = dot8(v, off);
-    const __m256i corners = _mm256_cmpeq_epi32(l, _mm256_set1_epi32(3 * 255 * 255));
-    if (_mm256_movemask_ps(_mm256_castsi256_ps(corners)) != 0) {
-        const __m256i gray = _mm256_or_si256(a.b, _mm256_slli_epi32(a.b, 16));
-        const __m256i unused = _mm256_and_si256(corners, _mm256_cmpeq_epi32(a.rg, gray));
-        l = _mm256_andnot_si256(unused, l);
-        e = _mm256_andnot_si256(unused, e);
-    }
+    leave_unused8(&l, &e, a);
     const __m256i k1 = _mm256_srli_epi64(k, 32), l1 = _mm256_srli_epi64(l, 32);
     const __m256i e1 = _mm256_srli_epi64(e, 32);
     const __m256i d = _mm256_add_epi32(_mm256_add_epi32(e, e), k);
@@ -366,10 +386,11 @@ static inline int32_t add_levels16(sums *sum, double *d, __m256i a, __m256i b)
     sum->most_low = _mm256_max_epu16(sum->most_low, v);
     if (_mm256_movemask_pd(_mm256_castsi256_pd(corners)) != 0) {
         const __m256i w = spread16(a);
-        const __m256i gray = _mm256_or_si256(_mm256_cmpeq_epi64(w, zero), _mm256_cmpeq_epi64(w, white));
+        const __m256i gray =
+            _mm256_or_si256(_mm256_cmpeq_epi64(w, zero), _mm256_cmpeq_epi64(w, white));
         const __m256d unused = _mm256_castsi256_pd(_mm256_and_si256(gray, corners));
-        _mm256_storeu_pd(d, _mm256_andnot_pd(_mm256_and_pd(unused, _mm256_set1_pd(-0.0)),
-                                             _mm256_loadu_pd(d)));
+        _mm256_storeu_pd(
+            d, _mm256_andnot_pd(_mm256_and_pd(unused, _mm256_set1_pd(-0.0)), _mm256_loadu_pd(d)));
     }
     return STEP / 2 - __builtin_popcount((uint32_t) _mm256_movemask_pd(_mm256_castsi256_pd(same)));
 }

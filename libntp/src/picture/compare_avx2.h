@@ -28,7 +28,7 @@ typedef struct ntp__compared {
      * think of another one; and where those found are counted, as ntp__angle_sums has it */
     int32_t fullest;
     uint32_t *bins;
-    /* Of those left: |v x w|^2 and v . w */
+    /* Of those left, as they are in doubt: |v x w|^2 and v . w */
     double s2[LEFT + 16], d[LEFT + 16];
 } ntp__compared;
 

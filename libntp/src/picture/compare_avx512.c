@@ -2,8 +2,8 @@
 /*
  * compare_avx512.c - differences of packed RGB in levels, and its angles, with AVX-512
  *
- * As compare_avx2.c, but 16 texels at a time, and one for one: masks leave out equal texels.  Large
- * angles are found here too, side by side.
+ * As compare_avx2.c, but 16 texels at a time, and one for one: masks leave out equal texels and unused
+ * ones.
  *
  * r, as near to 1/sqrt(y), y = s^2 d^2, as the processor has it, is off by less than 2^-14 of it.  Then
  * u0 = s^2 r is about s/d, and with e = 1 - y r^2 two terms of the series of (1 - e)^(-1/2) after the
@@ -12,11 +12,13 @@
  * min(s, |d|)/max(s, |d|) is found to 1.6e-5 for that, 3.3e-5 for a polynomial of 14 terms, 6.1e-5 for
  * rounding to PART_BITS places, and 1e-6 for all else: less than two of the last place in all.  So what
  * processors make of r changes nothing but which angles are left, as in doubt, to texel/angles_tmpl.h.
- * Left are opposite vectors too.
+ *
+ * Of a block with many large angles all are found as any; else the few large ones are left, and found
+ * when there are many of them.
  *
  * Each loop takes few steps that wait for each other, so that many of its turns are under way at once: one has
- * the products, one small angles, one adds these up, and bins are counted along with the products of the
- * next block.
+ * the products, one tangents, one their arc tangents, one adds these up, and bins are counted along with the
+ * products of the next block.
  *
  * Fused products only make errors smaller.  The squares of 16 bit have none, for they are handed on.
  */
@@ -30,7 +32,8 @@
 
 enum {
     STEP = LANES_512,
-    MANY = 16 /* in 4 of a sample of a quarter: where a 4th is large */
+    MANY =
+        16 /* times as many as are large in a sample of a quarter: as many as there are, if a quarter is */
 };
 
 /* What is kept of a block. */
@@ -38,11 +41,13 @@ typedef struct pairs {
     /* s^2 and d, times a power of 4 or 2 */
     _Alignas(64) double s2[NTP__BLOCK];
     double d[NTP__BLOCK];
-    /* Of these or of those that are left: angles as small_angle has them, bits of texels that have one, and
-     * of those for which it is right */
+    /* Of these or of those that are left: tangents, or angles as small_angle has them, and bits of texels that
+     * have one */
     double angle[LEFT + STEP];
     uint16_t different[LEFT / STEP];
-    int32_t n, listed, unused, bin[NTP__BLOCK + LEFT + STEP];
+    int32_t n, listed, bin[NTP__BLOCK + LEFT + STEP];
+    int32_t
+        unused; /* texels that are black in one image and white in the other: their angle is 0 */
     uint32_t *bins;
 } pairs;
 
@@ -79,13 +84,13 @@ static inline __m512d small_angle(__m512d u, __m512d d)
  * odd and of even powers are added apart. */
 static inline __m512d any_angle(__m512d u, __m512d s2, __m512d d)
 {
-    static const double terms[] = { ATAN_TERMS };
+    const double *const terms = ntp__atan_terms;
     const __m512d w = _mm512_mul_pd(u, u), w2 = _mm512_mul_pd(w, w);
     const __mmask8 beside = _mm512_cmp_pd_mask(s2, _mm512_mul_pd(d, d), _CMP_GT_OQ);
     const __mmask8 behind = _mm512_cmp_pd_mask(d, _mm512_setzero_pd(), _CMP_LT_OQ);
     __m512d odd = _mm512_set1_pd(terms[0]), even = _mm512_set1_pd(terms[1]);
 #pragma GCC unroll 1
-    for (size_t k = 2; k < sizeof terms / sizeof *terms; k += 2) {
+    for (size_t k = 2; k < NTP__ATAN_TERMS; k += 2) {
         odd = _mm512_fmadd_pd(odd, w2, _mm512_set1_pd(terms[k]));
         even = _mm512_fmadd_pd(even, w2, _mm512_set1_pd(terms[k + 1]));
     }
@@ -119,14 +124,12 @@ static inline int32_t gather(double *to_s2, double *to_d, const double *s2, cons
     return n;
 }
 
-/* Adds those of n angles that are found and not in doubt.  s2 and d of all others are left, behind `left`
+/* Adds those of n angles that are not in doubt.  s2 and d of all others are left, behind `left`
  * of them; they may be there, too. */
 ONE_COPY static void add_angles(ntp__compared *out, pairs *p, const double *s2, const double *d,
                                 int32_t n, int32_t left)
 {
-    const __m512i evens =
-        _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
-    const __m512i odds = _mm512_add_epi32(evens, _mm512_set1_epi32(1));
+    const __m512i evens = steps_of(2, 0), odds = steps_of(2, 1);
     const __m512i parts = _mm512_set1_epi64((1 << PART_BITS) - 4), by = _mm512_set1_epi32(BY_1000);
     /* Of micro-degrees + ROUND_BIN: no lane gets more than LEFT / STEP angles, below 2^32 */
     __m512i sum = _mm512_setzero_si512(), most = sum;
@@ -205,8 +208,8 @@ static void find_small(ntp__compared *out, pairs *p)
     add_angles(out, p, p->s2, p->d, p->n, out->left);
 }
 
-/* Are so many angles of a block large that it is quicker to take all as such?  Every fourth eight tell.
- * And counts those that are different. */
+/* Are so many angles of a block large that it is quicker to take all as any?  Every fourth eight tell.  Also
+ * counts those that are different. */
 static bool are_large(ntp__compared *out, const pairs *p)
 {
     const int32_t apart = 2 * STEP;
@@ -301,6 +304,7 @@ static inline void step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *
     __m512d s2[2], d[2];
     const __m512i l = multiply8(s2, d, a, off);
     uint32_t different = _mm512_test_epi32_mask(l, l);
+    /* Of all opposite corners */
     const __mmask16 corners = _mm512_cmpeq_epi32_mask(l, _mm512_set1_epi32(3 * 255 * 255));
     if (corners != 0) {
         const __m512i gray = _mm512_or_si512(a.b, _mm512_slli_epi32(a.b, 16));

@@ -15,7 +15,7 @@ enum {
 };
 
 /* The last texels, with black ones after them. */
-ONE_COPY static const uint8_t *copy_last(uint8_t few[BYTES], const uint8_t *from, int32_t bytes)
+SELDOM static const uint8_t *copy_last(uint8_t few[BYTES], const uint8_t *from, int32_t bytes)
 {
     memset(few, 0, BYTES);
     return memcpy(few, from, (size_t) bytes);

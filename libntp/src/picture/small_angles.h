@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * small_angles.h - the numbers by which kernels find small angles; compare_avx2.c says what they are
+ * small_angles.h - the numbers by which kernels find angles; compare_avx2.c says what they are
  */
 #ifndef NTP_SMALL_ANGLES_H
 #define NTP_SMALL_ANGLES_H
@@ -12,12 +12,9 @@
 #define C3    -0x1.f24383c627d24p+22
 #define C4    0x1.634d09f09f772p+22
 
-/* Of tangents up to 1, in micro-degrees: of odd and of even powers of the square in turn, highest first */
-#define ATAN_TERMS \
-    -0x1.a66f351242a8cp+13, 0x1.b565140a561e2p+16, -0x1.a9e3b031273a9p+18, 0x1.07445610b8cecp+20, \
-    -0x1.db5647d014acap+20, 0x1.59d3927db7955p+21, -0x1.b96529c6dcc5ep+21, 0x1.098ad90ad6303p+22, \
-    -0x1.3d3af1a59b439p+22, 0x1.84785c0f2d600p+22, -0x1.f3925dc7bdfadp+22, 0x1.5db49b6394bcep+23, \
-    -0x1.236be1079ab1bp+24, 0x1.b521d1c18d4afp+25
+/* Of tangents up to 1, in micro-degrees: factors of odd powers, the highest first. */
+enum { NTP__ATAN_TERMS = 14 };
+extern const double ntp__atan_terms[NTP__ATAN_TERMS];
 
 enum {
     PART_BITS = 13,
