@@ -20,28 +20,16 @@
  * exactly.  Large derivatives get less weight at the end.  docs/orientation.md tells the rest.
  */
 #include "base/cpu.h"
-#include "detect/orientation.h"
-#include "detect/slopes_tmpl.h"
+#include "detect/stretch.h"
+#include "texel/level.h"
 
+#include <math.h>
 #include <string.h>
 
 enum {
-    TAPS = 6,
-    BEFORE = 2, /* taps before a loop's texel (x, y) */
-    AFTER = 3,
-
-    CELL =
-        4, /* blocks of the picture are no smaller than this, as neighboring loops share texels */
-
     STEP_LOOPS = 32, /* least number of rows of loops in a large image */
-    STEP_MAX = 128,
-
-    STRETCH = NTP__BLOCK - TAPS + 1 /* loops in a block of texels */
+    STEP_MAX = 128
 };
-
-/* [1 4 6 4 1] convolved with [1 1], and with [-1 1]. */
-static const float SMOOTH[TAPS] = { 1, 5, 10, 10, 5, 1 };
-static const float STEEP[TAPS] = { -1, -3, -2, 2, 3, 1 };
 
 size_t ntp_orientation_size(void)
 {
@@ -67,6 +55,40 @@ int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y)
     return y % step == y / step * onward % step;
 }
 
+/* p and q of a row, and their parts of the columns.  Texels with z below 1/10 are bad; black and white
+ * are among them. */
+static void add_slopes(columns *restrict sums, float *restrict p, float *restrict q,
+                       const int32_t *restrict r, const int32_t *restrict g, int32_t n, int32_t m,
+                       float steep, float smooth)
+{
+    uint32_t m2 = (uint32_t) m * (uint32_t) m, least = ntp__least_rest(m);
+    int32_t far = ntp__far_sum(m);
+    /* The shift keeps S within int32_t; x and y are scaled to match z. */
+    int32_t half = m == 255 ? 0 : 1, shift = 2 * half;
+    for (int32_t i = 0; i < n; i++) {
+        int32_t x = ntp__num(r[i], m), y = ntp__num(g[i], m);
+        uint32_t ax = (uint32_t) ntp__abs(x), ay = (uint32_t) ntp__abs(y);
+        uint32_t most = m2 - ax * ax, y2 = ay * ay, s = most > y2 ? most - y2 : 0;
+        int32_t end = ntp__abs(x + y) > far;
+        sums->bad[i] |= s < least ? TOO_STEEP + end : 0;
+        s = s < least ? least : s;
+        /* Each step is rounded to float, even where the processor calculates with more bits.  For
+         * one root or one quotient the result is the same. */
+        float z = sqrtf((float) (int32_t) (s >> shift));
+        float px = (float) (x * (1 << (SLOPE_ONE_BITS - half))) / z,
+              py = (float) (y * (1 << (SLOPE_ONE_BITS - half))) / z;
+        /* Compilers may truncate these as floats, which makes -0 of small ones. */
+        p[i] = (float) (int32_t) px;
+        q[i] = (float) (int32_t) py;
+    }
+    for (int32_t i = 0; i < n; i++) {
+        sums->u[i] += steep * p[i];
+        sums->v[i] += smooth * q[i];
+        sums->p_smooth[i] += smooth * p[i];
+        sums->q_steep[i] += steep * q[i];
+    }
+}
+
 /* Adds row k of the texels around a row of loops. */
 static void add_row(columns *sums, ntp__block *block, int32_t n, int32_t m, uint32_t touch,
                     int32_t k)
@@ -75,12 +97,7 @@ static void add_row(columns *sums, ntp__block *block, int32_t n, int32_t m, uint
     const bool middle = k == BEFORE || k == BEFORE + 1;
     float *const p = middle ? sums->p[k - BEFORE] : between[0];
     float *const q = middle ? sums->q[k - BEFORE] : between[1];
-#ifdef NTP_HAVE_AVX2
-    if (ntp__cpu_has_avx2(NTP__CPU_ALL))
-        ntp__add_slopes_avx2(sums, p, q, block, n, m, -STEEP[k], SMOOTH[k]);
-    else
-#endif
-        ntp__add_slopes(sums, p, q, block->c[0], block->c[1], n, m, -STEEP[k], SMOOTH[k]);
+    add_slopes(sums, p, q, block->c[0], block->c[1], n, m, -STEEP[k], SMOOTH[k]);
     if (!(touch & NTP_UNUSED_TRANSPARENT)) {
         for (int32_t i = 0; i < n; i++)
             sums->bad[i] |= block->c[3][i] == 0 ? NO_NORMAL : 0;
@@ -147,12 +164,6 @@ static inline void add_loop(loop_sums *acc, int32_t block, const products *of, i
     acc->cross[size][block] += of->cross[i];
 }
 
-static int32_t cell(int32_t side)
-{
-    int32_t least = (side + SIDE - 1) / SIDE;
-    return least < CELL ? CELL : least;
-}
-
 /* Each loop by its own four texels alone. */
 static void multiply_narrow(products *to, const columns *c, int32_t n)
 {
@@ -175,7 +186,7 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
     ntp__block block;
     float u[COLUMNS], v[COLUMNS], p_x[COLUMNS], q_y[COLUMNS];
     int32_t bad[COLUMNS];
-    int32_t m = ntp__max(src->type), texels = n + TAPS - 1, wide = cell(src->width);
+    int32_t m = ntp__max(src->type), texels = n + TAPS - 1, wide = ntp__cell_side(src->width);
     const int32_t whole = (n + COLUMN_LANES - 1) & -COLUMN_LANES;
     memset(&sums, 0, sizeof sums);
     for (int32_t k = 0; k < TAPS; k++) {
@@ -187,7 +198,7 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
     any_bad(bad, &sums, whole);
     multiply(&wide_ones, u, v, whole);
     multiply_narrow(&narrow_ones, &sums, whole);
-    int32_t cell_y = y / cell(src->height) * SIDE, cell_x = x / wide,
+    int32_t cell_y = y / ntp__cell_side(src->height) * SIDE, cell_x = x / wide,
             next = (cell_x + 1) * wide - x; /* the loop the next block starts */
     for (int32_t i = 0; i < n; i++) {
         if (i == next) {
@@ -206,6 +217,18 @@ static void add_stretch(ntp_orientation *acc, const ntp_const_image *src, uint32
         acc->both += (uint64_t) (both < 0 ? -2 * both : 2 * both);
         acc->either += (uint64_t) (a * a + b * b);
     }
+}
+
+static void add_some(ntp_orientation *acc, const ntp_const_image *src, uint32_t touch, int32_t x,
+                     int32_t y, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__add_stretch_avx2(acc, src, touch, x, y, n);
+        return;
+    }
+#endif
+    add_stretch(acc, src, touch, x, y, n);
 }
 
 /* Makes the accumulator one of this image; an error: it is one of another. */
@@ -235,7 +258,7 @@ ntp_status ntp_orientation_add(ntp_orientation *orientation, const ntp_const_ima
         if (!ntp_orientation_row(src->height, every_row, y))
             continue;
         for (int32_t x = x0; x < x1; x += STRETCH)
-            add_stretch(orientation, src, touch_unused, x, y, x1 - x < STRETCH ? x1 - x : STRETCH);
+            add_some(orientation, src, touch_unused, x, y, x1 - x < STRETCH ? x1 - x : STRETCH);
     }
     return NTP_OK;
 }
