@@ -65,5 +65,10 @@ static inline int32_t ntp__cell_side(int32_t side)
 void ntp__add_stretch_avx2(ntp_orientation *acc, const ntp_const_image *src, uint32_t touch,
                            int32_t x, int32_t y, int32_t n);
 #endif
+#ifdef NTP_HAVE_AVX512
+/* Filters n >= 16 columns of packed texels of 8 bit; `alpha`: those of alpha 0 hold no normal. */
+void ntp__filter_down8_avx512(columns *to, const uint8_t *const rows[TAPS], int32_t channels,
+                              int32_t n, bool alpha);
+#endif
 
 #endif

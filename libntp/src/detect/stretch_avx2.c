@@ -6,6 +6,7 @@
  */
 #include "detect/stretch.h"
 
+#include "base/cpu.h"
 #include "base/inlining.h"
 #include "base/lanes_avx2.h"
 
@@ -329,7 +330,12 @@ void ntp__add_stretch_avx2(ntp_orientation *acc, const ntp_const_image *src, uin
         if (!packed)
             ntp__unpack(&rows.planes[k], src, x - BEFORE, y - BEFORE + k, texels);
     }
-    filter_down(&c, &rows, texels, ntp__max(src->type), alpha);
+#ifdef NTP_HAVE_AVX512
+    if (packed && texels >= 2 * COLUMN_LANES && ntp__cpu_has_avx512(NTP__CPU_ALL))
+        ntp__filter_down8_avx512(&c, rows.packed, src->channels, texels, alpha);
+    else
+#endif
+        filter_down(&c, &rows, texels, ntp__max(src->type), alpha);
     for (int32_t k = 0; !packed && k < TAPS; k++)
         add_broken(&c, &rows.planes[k], texels);
     filter_along(of, &sums, &c, n);
