@@ -4,7 +4,7 @@
  *
  * Runs of any length begin or end at a guard page.  They are added up here texel by texel; lengths after gamma
  * by the inequality of the documentation, over tables of random squares.  Where a texel stops a kernel, all whole
- * groups before it are done.  Padding is added up besides, whichever way a tally takes.
+ * groups before it are done.  Unused ones stop none, and have steps alone.  Padding is added up besides, whichever way a tally takes.
  */
 #include "guarded.h"
 #include "measure/tally.h"
@@ -35,10 +35,14 @@ static void fill(uint8_t *p, int32_t n, int32_t channels, uint64_t *seed)
             p[1] = (uint8_t) (184 + random_bits(seed) % 9);
         if (random_bits(seed) % 8 == 0)
             p[random_bits(seed) % 3] = (uint8_t) random_level(seed, 255);
-        if (channels == 4 && random_bits(seed) % 512 == 0)
+        if (channels == 4 && random_bits(seed) % 8 == 0)
             p[3] = 0;
         for (int32_t c = 0, both = random_bits(seed) % 64 == 0; both && c < 2; c++)
             p[c] = (uint8_t) (random_bits(seed) % 2 * 225 + 14 + random_bits(seed) % 3);
+        if (random_bits(seed) % 16 == 0)
+            memset(p, random_bits(seed) % 2 ? 255 : 0, 3);
+        if (random_bits(seed) % 512 == 0)
+            p[random_bits(seed) % 3] ^= 1;
     }
 }
 
@@ -47,22 +51,34 @@ static bool is_near_end(int32_t level)
     return level <= 15 || level >= 240;
 }
 
-static bool stops(const uint8_t *p, int32_t channels)
+static bool is_unused(const uint8_t *p, int32_t channels, uint32_t touch)
 {
-    return (is_near_end(p[0]) && is_near_end(p[1])) || (channels == 4 && p[3] == 0);
+    const bool gray = p[0] == p[1] && p[1] == p[2];
+    return (channels == 4 && p[3] == 0 && !(touch & NTP_UNUSED_TRANSPARENT)) ||
+           (gray && p[0] == 0 && !(touch & NTP_UNUSED_BLACK)) ||
+           (gray && p[0] == 255 && !(touch & NTP_UNUSED_WHITE));
+}
+
+static bool stops(const uint8_t *p, int32_t channels, uint32_t touch)
+{
+    return is_near_end(p[0]) && is_near_end(p[1]) && !is_unused(p, channels, touch);
 }
 
 /* Adds a texel of column x, after another one. */
 static void add(ntp__samples *to, uint64_t steps[3][2], const uint8_t *p, int32_t channels,
-                int32_t x)
+                int32_t x, uint32_t touch)
 {
     const uint64_t unit = UINT64_C(65535) * 65535;
     uint64_t length = 3;
     for (int32_t c = 0; c < 3; c++) {
         const int32_t step = p[c] - p[c - channels];
+        steps[c][x % 8 == 0] += (uint64_t) (step < 0 ? -step : step);
+    }
+    if (is_unused(p, channels, touch))
+        return;
+    for (int32_t c = 0; c < 3; c++) {
         to->sum[c] += p[c];
         to->square[c] += (uint64_t) p[c] * p[c];
-        steps[c][x % 8 == 0] += (uint64_t) (step < 0 ? -step : step);
         length += 4 * (uint64_t) squares[p[c]];
     }
     to->n++;
@@ -83,13 +99,14 @@ static void check_samples(const ntp__kernels_table *level, int32_t n, int32_t ch
     ntp__samples found = { .n = 5 }, want = { .n = 5 };
     uint64_t steps[3][2] = { { 1 } }, wanted[3][2] = { { 1 } };
     const int32_t x = 1 + (int32_t) (random_bits(seed) % 100);
+    const uint32_t touch = random_bits(seed) % 2 ? 0 : random_bits(seed) % (NTP_UNUSED_ALL + 1);
     int32_t end = n / STEP * STEP;
     fill(src.data, n + 1, channels, seed);
     for (int32_t i = end - 1; i >= 0; i--)
-        end = stops(p + channels * i, channels) ? i / STEP * STEP : end;
+        end = stops(p + channels * i, channels, touch) ? i / STEP * STEP : end;
     for (int32_t i = 0; i < end; i++)
-        add(&want, wanted, p + channels * i, channels, x + i);
-    CHECK(level->sample8(&found, steps, squares, p, n, channels, x) == end);
+        add(&want, wanted, p + channels * i, channels, x + i, touch);
+    CHECK(level->sample8(&found, steps, squares, p, n, channels, x, touch) == end);
     CHECK(memcmp(&found, &want, sizeof found) == 0);
     CHECK(memcmp(steps, wanted, sizeof steps) == 0);
     guarded_free(&src);
@@ -104,8 +121,9 @@ static void check_bright(const ntp__kernels_table *level)
     for (int32_t i = 0; i < 3 * (LONG_RUN + 1); i++)
         bright[i] = i % 3 != 1 && i / 3 % 2 == 0 ? 0 : i % 3 == 1 ? 239 : 255;
     for (int32_t i = 0; i < LONG_RUN; i++)
-        add(&want, wanted, bright + 3 * (i + 1), 3, i);
-    CHECK(level->sample8(&found, steps, squares, bright + 3, LONG_RUN, 3, 0) == LONG_RUN);
+        add(&want, wanted, bright + 3 * (i + 1), 3, i, 0);
+    CHECK(level->sample8(&found, steps, squares, bright + 3, LONG_RUN, 3, 0, 0) ==
+          LONG_RUN);
     CHECK(memcmp(&found, &want, sizeof found) == 0);
     CHECK(memcmp(steps, wanted, sizeof steps) == 0);
 }
@@ -137,7 +155,7 @@ static void check_padding(uint64_t *seed)
         const uint8_t *const p = rgb + 3 * i;
         const bool unused = p[0] == p[1] && p[1] == p[2] && (p[0] == 0 || p[0] == 255);
         if (is_near_end(p[0]) && is_near_end(p[1]) && !unused)
-            add(&want, steps, p, 3, i);
+            add(&want, steps, p, 3, i, 0);
     }
     CHECK(want.n > 100);
     CHECK(memcmp(&tally->padding_samples, &want, sizeof want) == 0);

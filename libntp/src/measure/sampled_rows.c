@@ -178,19 +178,21 @@ static void add_steps(ntp_tally *t, const ntp__block *block, int32_t first, int3
 static int32_t add_packed(ntp_tally *t, const uint8_t *p, int32_t n, int32_t channels, int32_t x)
 {
     enum { MOST = 65536 };
+    const uint32_t touched =
+        t->encoding == NTP_ENCODING_HEIGHT ? (uint32_t) NTP_UNUSED_ALL : t->touched;
     const int32_t done = ntp__kernels(NTP__CPU_ALL)
                              ->sample8(&t->samples, t->block_steps, t->linear_square, p,
-                                       n < MOST ? n : MOST, channels, x);
+                                       n < MOST ? n : MOST, channels, x, touched);
     t->block_count[0] += (uint32_t) (done - done / 8); /* whole groups */
     t->block_count[1] += (uint32_t) (done / 8);
     return done;
 }
 
 /* Steps between neighboring columns are summed twice: inside blocks of 8 x 8, and across their
- * borders.  The texel before x0 is read where there is one. */
+ * borders.  The texel before x0 is read where there is one.  Of packed texels whole groups are left to the end. */
 void ntp__sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32_t x1, int32_t y)
 {
-    enum { MOST = NTP__BLOCK - 1 };
+    enum { MOST = NTP__BLOCK - 1, GROUP = NTP__KERNEL_STEP };
     if (!is_sampled(src, y))
         return;
     ntp__block block;
@@ -201,7 +203,9 @@ void ntp__sample_row(ntp_tally *t, const ntp_const_image *src, int32_t x0, int32
         if (packed && x > 0 &&
             (n = add_packed(t, ntp__at(src, x, y), x1 - x, src->channels, x)) > 0)
             continue;
-        n = packed && x == 0 ? 1 : x1 - x < MOST ? x1 - x : MOST;
+        n = x1 - x < MOST ? x1 - x : MOST;
+        if (packed && x == 0)
+            n = (x1 - 1) % GROUP + 1;
         const int32_t before = x > 0;
         ntp__unpack(&block, src, x - before, y, n + before);
         add_colors(t, &block, before, n, ntp__max(src->type));

@@ -9,6 +9,7 @@
 
 #include "base/inlining.h"
 #include "base/lanes_avx2.h"
+#include "libntp.h"
 #include "texel/find_four_tmpl.h"
 
 #include <immintrin.h>

@@ -169,12 +169,12 @@ static inline bool ntp__linear_near_unit(uint32_t s)
 }
 
 /* Adds packed texels of 3 or 4 channels, a group of NTP__KERNEL_STEP after the other, up to one with a texel that
- * may be padding or unused: its red and green are within 15 of an end, or its alpha is 0.  Steps are those from the
- * texel before, also the first; [0] within blocks of eight columns, [1] from one to the next.  `src` is in column
- * x.  n <= 65536.  Returns of how many. */
+ * is used and may be padding: its red and green are within 15 of an end.  Unused ones have steps alone.  Steps are
+ * those from the texel before, also the first; [0] within blocks of eight columns, [1] from one to the next.  `src`
+ * is in column x.  n <= 65536.  Returns of how many. */
 typedef int32_t ntp__sample8_fn(ntp__samples *samples, uint64_t steps[3][2],
                                 const uint32_t *linear_square, const uint8_t *src, int32_t n,
-                                int32_t channels, int32_t x);
+                                int32_t channels, int32_t x, uint32_t touch_unused);
 
 /* A block of texels, judged as standard or as Z-zero. */
 typedef struct ntp__judged_fit {

@@ -33,8 +33,20 @@ static ALWAYS_INLINE __m256i between(__m256i a, __m256i b)
     return _mm256_sub_epi8(_mm256_max_epu8(a, b), _mm256_min_epu8(a, b));
 }
 
+/* Which of 16 texels are unused. */
+static ALWAYS_INLINE __m256i are_unused(__m256i pairs, __m256i b, __m256i hidden, uint32_t touch)
+{
+    const __m256i all = _mm256_set1_epi8(-1), none = _mm256_setzero_si256();
+    const __m256i black = _mm256_cmpeq_epi16(_mm256_or_si256(pairs, b), none);
+    const __m256i white = _mm256_cmpeq_epi16(
+        _mm256_and_si256(pairs, _mm256_or_si256(b, _mm256_slli_epi16(all, 8))), all);
+    return _mm256_or_si256(touch & NTP_UNUSED_TRANSPARENT ? none : hidden,
+                           _mm256_or_si256(touch & NTP_UNUSED_BLACK ? none : black,
+                                           touch & NTP_UNUSED_WHITE ? none : white));
+}
+
 int32_t ntp__sample8_avx2(ntp__samples *to, uint64_t to_steps[3][2], const uint32_t *linear,
-                          const uint8_t *src, int32_t n, int32_t channels, int32_t x)
+                          const uint8_t *src, int32_t n, int32_t channels, int32_t x, uint32_t touch)
 {
     enum { FLAT = NTP__GAMMA_FLAT_LEAST, RANGE = NTP__GAMMA_FLAT_RANGE, NEAR = 16 };
     const layout8 layout = layout8_of(channels, true);
@@ -43,20 +55,36 @@ int32_t ntp__sample8_avx2(ntp__samples *to, uint64_t to_steps[3][2], const uint3
     const __m256i across = _mm256_cmpeq_epi16(columns, _mm256_set1_epi16((short) (-x & 7)));
     __m256i square[3] = { none, none, none }, product[3] = { none, none, none };
     __m256i sum[3] = { none, none, none }, steps[3] = { none, none, none };
-    uint32_t high_r = 0, high_g = 0, flat = 0, unit = 0;
+    uint32_t high_r = 0, high_g = 0, flat = 0, unit = 0, unused = 0;
     int32_t i = 0;
     for (; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
-        __m256i pairs, blues, last, last_blues;
+        __m256i pairs, blues, last, last_blues, colors[2];
+        const uint8_t *p = src;
+        int32_t stride = channels;
         load_16(&pairs, &blues, src, &layout);
-        const __m256i b = _mm256_and_si256(blues, low);
+        load_16(&last, &last_blues, src - channels, &layout);
+        __m256i b = _mm256_and_si256(blues, low);
+        const __m256i step = between(pairs, last);
+        const __m256i step_b = between(b, _mm256_and_si256(last_blues, low));
         const __m256i ends = _mm256_add_epi8(pairs, _mm256_set1_epi8(NEAR));
         const __m256i at_end =
             _mm256_cmpeq_epi8(_mm256_min_epu8(ends, _mm256_set1_epi8(2 * NEAR - 1)), ends);
-        const __m256i odd = _mm256_or_si256(_mm256_cmpeq_epi16(at_end, _mm256_set1_epi8(-1)),
-                                            are_hidden(blues, b, &layout));
-        if (!_mm256_testz_si256(odd, odd))
-            break;
-        load_16(&last, &last_blues, src - channels, &layout);
+        const __m256i padding = _mm256_cmpeq_epi16(at_end, _mm256_set1_epi8(-1));
+        const __m256i hidden = are_hidden(blues, b, &layout);
+        const __m256i odd = _mm256_or_si256(padding, hidden);
+        if (!_mm256_testz_si256(odd, odd)) {
+            const __m256i left_out = are_unused(pairs, b, hidden, touch);
+            if (!_mm256_testc_si256(left_out, padding))
+                break;
+            /* Black adds nothing to sums. */
+            unused += words_set(left_out);
+            pairs = _mm256_andnot_si256(left_out, pairs);
+            b = _mm256_andnot_si256(left_out, b);
+            colors[0] = _mm256_unpacklo_epi16(pairs, b);
+            colors[1] = _mm256_unpackhi_epi16(pairs, b);
+            p = (const uint8_t *) colors;
+            stride = 4;
+        }
         const __m256i r = _mm256_and_si256(pairs, low), g = _mm256_srli_epi16(pairs, 8);
         square[0] = plus_products(square[0], r, r);
         square[1] = plus_products(square[1], g, g);
@@ -67,18 +95,16 @@ int32_t ntp__sample8_avx2(ntp__samples *to, uint64_t to_steps[3][2], const uint3
         sum[0] = plus_bytes(sum[0], r);
         sum[1] = plus_bytes(sum[1], g);
         sum[2] = plus_bytes(sum[2], b);
-        const __m256i step = between(pairs, last);
         steps[0] = plus_steps(steps[0], _mm256_and_si256(step, low), across);
         steps[1] = plus_steps(steps[1], _mm256_srli_epi16(step, 8), across);
-        steps[2] = plus_steps(steps[2], between(b, _mm256_and_si256(last_blues, low)), across);
+        steps[2] = plus_steps(steps[2], step_b, across);
         const uint32_t high = (uint32_t) _mm256_movemask_epi8(pairs);
         high_r += (uint32_t) __builtin_popcount(high & 0x55555555);
         high_g += (uint32_t) __builtin_popcount(high & 0xaaaaaaaa);
         const __m256i from = _mm256_sub_epi8(pairs, _mm256_set1_epi8((char) FLAT));
         flat +=
             words_set(_mm256_cmpeq_epi16(_mm256_subs_epu8(from, _mm256_set1_epi8(RANGE)), none));
-        const uint8_t *p = src;
-        _Pragma("GCC unroll 2") for (int32_t k = 0; k < GROUP; k++, p += channels)
+        _Pragma("GCC unroll 2") for (int32_t k = 0; k < GROUP; k++, p += stride)
         {
             unit += ntp__linear_near_unit(linear[p[0]] + linear[p[1]] + linear[p[2]]);
         }
@@ -91,11 +117,12 @@ int32_t ntp__sample8_avx2(ntp__samples *to, uint64_t to_steps[3][2], const uint3
         to_steps[k][0] += (both & UINT32_MAX) - (both >> 32);
         to_steps[k][1] += both >> 32;
     }
-    to->n += (uint32_t) i;
-    to->red_low += (uint32_t) i - high_r;
-    to->green_low += (uint32_t) i - high_g;
+    const uint32_t used = (uint32_t) i - unused;
+    to->n += used;
+    to->red_low += used - high_r;
+    to->green_low += used - high_g;
     to->gamma_flat += flat;
-    to->gamma_unit += unit;
+    to->gamma_unit += unit - (ntp__linear_near_unit(3 * linear[0]) ? unused : 0);
     end_lanes();
     return i;
 }
