@@ -2,8 +2,8 @@
 /*
  * orient.c - which way green points, and whether that makes a difference, while rows go by
  *
- * The measurement of a row needs its neighbors, and some of them may be in an earlier block.  So a
- * ring keeps the rows that are needed.  Photographs and masks need no orientation.  So rows that look
+ * The measurement of a row needs its neighbors.  Where some of them are in an earlier block, a band
+ * keeps them.  Photographs and masks need no orientation.  So rows that look
  * like these are put aside until the class is known.
  */
 #include <stdlib.h>
@@ -16,7 +16,8 @@ enum {
     BEFORE = 2, /* rows that ntp_orientation_add reads above the measured one */
     AFTER = 3,  /* and below */
     RING = BEFORE + 1 + AFTER,
-    ASIDE = 4 << 20 /* bytes of rows that are put aside, at most */
+    LAST = 1 << (RING - 1), /* the bit of the row that is measured when all of these are there */
+    ASIDE = 4 << 20         /* bytes of rows that are put aside, at most */
 };
 
 /* ------------------------------------------------------------------------- slopes */
@@ -84,14 +85,6 @@ void orient_begin(source *s)
     w->aside_rows = 0;
 }
 
-static bool is_needed(int32_t height, int32_t every_row, int32_t y)
-{
-    bool any = false;
-    for (int32_t k = y - AFTER; k <= y + BEFORE; k++)
-        any |= ntp_orientation_row(height, every_row, k) != 0;
-    return any;
-}
-
 /* Have half of a row's texels about unit length?  One in some is looked at. */
 static bool looks_like_normals(const ntp_const_image *view, const unsigned char *row)
 {
@@ -108,18 +101,34 @@ static bool looks_like_normals(const ntp_const_image *view, const unsigned char 
     return 2 * near >= n;
 }
 
+static const unsigned char *row_of(const ntp_const_image *view, int32_t y)
+{
+    return (const unsigned char *) view->data +
+           (ptrdiff_t) (y % view->ring_rows) * view->row_stride;
+}
+
 /* Puts the rows around row y aside; false: they are to be measured now. */
 static bool put_aside(worker *w, const ntp_const_image *view, int32_t y)
 {
     const size_t row = (size_t) view->row_stride, size = RING * row;
     if (view->type != NTP_TYPE_U8 || view->channels < 3 || w->aside_rows == ASIDE_ROWS ||
-        (w->aside_rows + 1) * size > ASIDE ||
-        looks_like_normals(view, w->band.data + (size_t) (y % RING) * row))
+        (w->aside_rows + 1) * size > ASIDE || looks_like_normals(view, row_of(view, y)))
         return false;
     unsigned char *to = buffer_reserve(&w->aside, ASIDE) + w->aside_rows * size;
-    memcpy(to, w->band.data, size);
+    for (int32_t k = y - BEFORE; k <= y + AFTER; k++)
+        memcpy(to + (size_t) (k % RING) * row, row_of(view, k), row);
     w->aside_row[w->aside_rows++] = y;
     return true;
+}
+
+/* Bit i of `near` is that of row y + BEFORE - i: is one of these measured in the band, as the rows around it are
+ * not all in the area? */
+static bool is_in_band(uint32_t near, const ntp_rect *area, int32_t y)
+{
+    bool any = false;
+    for (int32_t i = 0; i < RING; i++)
+        any |= (near >> i & 1) != 0 && (y - i < area->y0 || y - i + RING > area->y1);
+    return any;
 }
 
 ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch)
@@ -130,21 +139,28 @@ ntp_status orient_rows(source *s, const ntp_rect *area, uint32_t touch)
         return NTP_OK;
     const size_t row = (size_t) s->view.row_stride;
     const unsigned char *from = source_rows(s, area);
-    ntp_const_image view = ntp_image_as_const(&s->view);
-    view.data = w->band.data;
-    view.ring_rows = RING;
+    const ntp_const_image view = ntp_image_as_const(&s->view);
+    ntp_const_image band = view;
+    band.data = w->band.data;
+    band.ring_rows = RING;
     const unsigned char *seen = from;
     for (int32_t y = area->y0; s->find_slopes && y < area->y1; y++, seen += row)
         slopes_add(&s->most, &view, seen, touch);
+    uint32_t near = 0;
+    for (int32_t y = area->y0 - AFTER; y < area->y0 + BEFORE; y++)
+        near = near << 1 | (ntp_orientation_row(height, every_row, y) != 0);
     for (int32_t y = area->y0; y < area->y1; y++, from += row) {
-        if (is_needed(height, every_row, y))
+        near = (near << 1 | (ntp_orientation_row(height, every_row, y + BEFORE) != 0)) &
+               (LAST * 2 - 1);
+        if (is_in_band(near, area, y))
             memcpy(w->band.data + (size_t) (y % RING) * row, from, row);
-        const ntp_rect measured = { 0, y - AFTER, s->view.width, y - AFTER + 1 };
-        if (!ntp_orientation_row(height, every_row, y - AFTER) ||
-            (!every_row && put_aside(w, &view, y - AFTER)))
+        const int32_t at = y - AFTER;
+        const ntp_const_image *const around = at - BEFORE < area->y0 ? &band : &view;
+        if (!(near & LAST) || (!every_row && put_aside(w, around, at)))
             continue;
+        const ntp_rect measured = { 0, at, s->view.width, at + 1 };
         const ntp_status status =
-            ntp_orientation_add(w->orientation, &view, touch, every_row, &measured);
+            ntp_orientation_add(w->orientation, around, touch, every_row, &measured);
         if (status != NTP_OK)
             return status;
     }

@@ -122,8 +122,7 @@ static void check_bright(const ntp__kernels_table *level)
         bright[i] = i % 3 != 1 && i / 3 % 2 == 0 ? 0 : i % 3 == 1 ? 239 : 255;
     for (int32_t i = 0; i < LONG_RUN; i++)
         add(&want, wanted, bright + 3 * (i + 1), 3, i, 0);
-    CHECK(level->sample8(&found, steps, squares, bright + 3, LONG_RUN, 3, 0, 0) ==
-          LONG_RUN);
+    CHECK(level->sample8(&found, steps, squares, bright + 3, LONG_RUN, 3, 0, 0) == LONG_RUN);
     CHECK(memcmp(&found, &want, sizeof found) == 0);
     CHECK(memcmp(steps, wanted, sizeof steps) == 0);
 }

@@ -28,7 +28,7 @@
 
 enum {
     STEP_LOOPS = 32, /* least number of rows of loops in a large image */
-    STEP_MAX = 128
+    STEP_MOST_BITS = 7
 };
 
 size_t ntp_orientation_size(void)
@@ -36,13 +36,13 @@ size_t ntp_orientation_size(void)
     return sizeof(ntp_orientation);
 }
 
-/* Rows between the sampled ones, a power of two. */
-static int32_t step_of(int32_t height)
+/* Rows between the sampled ones, as a power of 2. */
+static int32_t step_bits(int32_t height)
 {
-    int32_t step = 1;
-    while (step < STEP_MAX && step * 2 * STEP_LOOPS <= height)
-        step *= 2;
-    return step;
+    int32_t bits = 0;
+    while (bits < STEP_MOST_BITS && STEP_LOOPS << (bits + 1) <= height)
+        bits++;
+    return bits;
 }
 
 /* One row in each `step` rows.  From one step to the next its place moves on by an odd number near
@@ -51,8 +51,9 @@ int32_t ntp_orientation_row(int32_t height, int32_t every_row, int32_t y)
 {
     if (y < BEFORE || y >= height - AFTER)
         return 0;
-    int32_t step = every_row ? 1 : step_of(height), onward = (step * 5 / 8) | 1;
-    return y % step == y / step * onward % step;
+    const int32_t bits = every_row ? 0 : step_bits(height), step = 1 << bits;
+    const int32_t onward = (step * 5 / 8) | 1;
+    return ((y ^ (y >> bits) * onward) & (step - 1)) == 0;
 }
 
 /* p and q of a row, and their parts of the columns.  Texels with z below 1/10 are bad; black and white

@@ -16,7 +16,8 @@ enum {
     CELL =
         4, /* blocks of the picture are no smaller than this, as neighboring loops share texels */
 
-    SLOPE_ONE_BITS = 12, /* of the fixed-point unit of slopes; the steepest used slope is below 10 */
+    SLOPE_ONE_BITS =
+        12, /* of the fixed-point unit of slopes; the steepest used slope is below 10 */
 
     STRETCH = NTP__BLOCK - TAPS + 1 /* loops in a block of texels */
 };

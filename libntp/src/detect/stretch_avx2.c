@@ -66,18 +66,16 @@ static inline levels take8(const texel_rows *rows, int32_t k, int32_t i, __m256i
     const uint8_t *const s = rows->packed[k] + (ptrdiff_t) i * rows->channels;
     const __m256i v = load_two(s, s + COLUMN_LANES * rows->channels - 16);
     const __m256i one = _mm256_set1_epi32(1), green = _mm256_add_epi32(places, one);
-    return (levels) {
-        _mm256_shuffle_epi8(v, places), _mm256_shuffle_epi8(v, green),
-        _mm256_shuffle_epi8(v, _mm256_add_epi32(green, _mm256_add_epi32(one, one)))
-    };
+    return (levels) { _mm256_shuffle_epi8(v, places), _mm256_shuffle_epi8(v, green),
+                      _mm256_shuffle_epi8(v, _mm256_add_epi32(green, _mm256_add_epi32(one, one))) };
 }
 
 static inline __m256i places_of(int32_t channels)
 {
     const int32_t c = channels, high = 16 - 4 * c; /* what the second half begins with */
-    return _mm256_or_si256(_mm256_setr_epi32(0, c, 2 * c, 3 * c, high, high + c, high + 2 * c,
-                                             high + 3 * c),
-                           _mm256_set1_epi32((int32_t) 0x80808000));
+    return _mm256_or_si256(
+        _mm256_setr_epi32(0, c, 2 * c, 3 * c, high, high + c, high + 2 * c, high + 3 * c),
+        _mm256_set1_epi32((int32_t) 0x80808000));
 }
 
 /* Filters n columns down the rows.  Packed texels beyond these are not read: the last are filtered again. */
@@ -104,10 +102,9 @@ static void filter_down(columns *to, const texel_rows *rows, int32_t n, int32_t 
             const __m256i y2 = _mm256_mullo_epi32(y, y);
             const __m256i s = _mm256_sub_epi32(_mm256_max_epu32(most, y2), y2);
             const __m256i rest = _mm256_max_epu32(s, least);
-            const __m256i end =
-                _mm256_cmpgt_epi32(_mm256_abs_epi32(_mm256_add_epi32(x, y)), far);
-            bad = _mm256_or_si256(bad, _mm256_andnot_si256(_mm256_cmpeq_epi32(rest, s),
-                                                           _mm256_sub_epi32(one, end)));
+            const __m256i end = _mm256_cmpgt_epi32(_mm256_abs_epi32(_mm256_add_epi32(x, y)), far);
+            bad = _mm256_or_si256(
+                bad, _mm256_andnot_si256(_mm256_cmpeq_epi32(rest, s), _mm256_sub_epi32(one, end)));
             const __m256i hidden = _mm256_cmpeq_epi32(c.a, _mm256_setzero_si256());
             bad = _mm256_or_si256(bad, _mm256_and_si256(hidden, clear));
             const __m256 z = _mm256_sqrt_ps(_mm256_cvtepi32_ps(_mm256_srl_epi32(rest, shift)));
@@ -197,8 +194,7 @@ static inline void add_squares(square_sums *to, const columns *c, int32_t i, __m
 
 static inline uint32_t count(__m256i lanes)
 {
-    return (uint32_t) __builtin_popcount(
-        (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(lanes)));
+    return (uint32_t) __builtin_popcount((uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(lanes)));
 }
 
 /* n loops of columns. */
@@ -217,8 +213,9 @@ static void filter_along(products of[FILTERS], square_sums *sums, const columns 
         const float *const p1 = c->p[1] + i + BEFORE, *const q1 = c->q[1] + i + BEFORE;
         const __m256 u = _mm256_sub_ps(_mm256_add_ps(_mm256_loadu_ps(p), _mm256_loadu_ps(p + 1)),
                                        _mm256_add_ps(_mm256_loadu_ps(p1), _mm256_loadu_ps(p1 + 1)));
-        const __m256 v = _mm256_sub_ps(_mm256_add_ps(_mm256_loadu_ps(q + 1), _mm256_loadu_ps(q1 + 1)),
-                                       _mm256_add_ps(_mm256_loadu_ps(q), _mm256_loadu_ps(q1)));
+        const __m256 v =
+            _mm256_sub_ps(_mm256_add_ps(_mm256_loadu_ps(q + 1), _mm256_loadu_ps(q1 + 1)),
+                          _mm256_add_ps(_mm256_loadu_ps(q), _mm256_loadu_ps(q1)));
         multiply(&of[NARROW], i, u, v, used);
         add_squares(sums, c, i, used);
     }
@@ -231,7 +228,7 @@ typedef struct counted {
 } counted;
 
 static ALWAYS_INLINE void add_loop(ntp_orientation *acc, counted *to, const products of[FILTERS],
-                            int32_t half, int32_t i, int32_t cell)
+                                   int32_t half, int32_t i, int32_t cell)
 {
     for (int32_t f = 0; f < FILTERS; f++) {
         const int32_t size = of[f].size[i];

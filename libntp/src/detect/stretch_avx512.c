@@ -9,8 +9,8 @@
 
 #include "texel/packed_avx512_tmpl.h"
 
-void ntp__filter_down8_avx512(columns *to, const uint8_t *const rows[TAPS], int32_t channels, int32_t n,
-                              bool alpha)
+void ntp__filter_down8_avx512(columns *to, const uint8_t *const rows[TAPS], int32_t channels,
+                              int32_t n, bool alpha)
 {
     enum { MAX = 255 };
     const __m512i max = _mm512_set1_epi16(MAX), square = _mm512_set1_epi32(MAX * MAX);
@@ -56,8 +56,8 @@ void ntp__filter_down8_avx512(columns *to, const uint8_t *const rows[TAPS], int3
         _mm512_storeu_ps(to->p_smooth + i, p_smooth);
         _mm512_storeu_ps(to->q_steep + i, q_steep);
         const __m512i bad = _mm512_maskz_set1_epi32(steep, TOO_STEEP);
-        _mm512_storeu_si512(to->bad + i, _mm512_mask_or_epi32(bad, no_normal, bad,
-                                                              _mm512_set1_epi32(NO_NORMAL)));
+        _mm512_storeu_si512(
+            to->bad + i, _mm512_mask_or_epi32(bad, no_normal, bad, _mm512_set1_epi32(NO_NORMAL)));
     }
     _mm256_zeroupper();
 }

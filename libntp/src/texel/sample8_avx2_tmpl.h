@@ -46,7 +46,8 @@ static ALWAYS_INLINE __m256i are_unused(__m256i pairs, __m256i b, __m256i hidden
 }
 
 int32_t ntp__sample8_avx2(ntp__samples *to, uint64_t to_steps[3][2], const uint32_t *linear,
-                          const uint8_t *src, int32_t n, int32_t channels, int32_t x, uint32_t touch)
+                          const uint8_t *src, int32_t n, int32_t channels, int32_t x,
+                          uint32_t touch)
 {
     enum { FLAT = NTP__GAMMA_FLAT_LEAST, RANGE = NTP__GAMMA_FLAT_RANGE, NEAR = 16 };
     const layout8 layout = layout8_of(channels, true);
