@@ -23,7 +23,7 @@ static void fill_squares(uint64_t *seed)
         squares[i] = random_bits(seed) % 900000000;
 }
 
-/* Levels from the middle, but for few that stop the kernel. */
+/* Levels from the middle, but for few that are padding or unused. */
 static void fill(uint8_t *p, int32_t n, int32_t channels, uint64_t *seed)
 {
     for (int32_t i = 0; i < n; i++, p += channels) {
@@ -59,11 +59,6 @@ static bool is_unused(const uint8_t *p, int32_t channels, uint32_t touch)
            (gray && p[0] == 255 && !(touch & NTP_UNUSED_WHITE));
 }
 
-static bool stops(const uint8_t *p, int32_t channels, uint32_t touch)
-{
-    return is_near_end(p[0]) && is_near_end(p[1]) && !is_unused(p, channels, touch);
-}
-
 /* Adds a texel of column x, after another one. */
 static void add(ntp__samples *to, uint64_t steps[3][2], const uint8_t *p, int32_t channels,
                 int32_t x, uint32_t touch)
@@ -96,17 +91,18 @@ static void check_samples(const ntp__kernels_table *level, int32_t n, int32_t ch
 {
     guarded src = guarded_alloc((size_t) (n + 1) * (size_t) channels, random_bits(seed) & 1);
     const uint8_t *const p = (uint8_t *) src.data + channels;
-    ntp__samples found = { .n = 5 }, want = { .n = 5 };
-    uint64_t steps[3][2] = { { 1 } }, wanted[3][2] = { { 1 } };
-    const int32_t x = 1 + (int32_t) (random_bits(seed) % 100);
+    ntp__samples found[2] = { { .n = 5 } }, want[2] = { { .n = 5 } };
+    uint64_t steps[3][2] = { { 1 } }, wanted[3][2] = { { 1 } }, again[3][2] = { { 0 } };
+    const int32_t x = 1 + (int32_t) (random_bits(seed) % 100), end = n / STEP * STEP;
     const uint32_t touch = random_bits(seed) % 2 ? 0 : random_bits(seed) % (NTP_UNUSED_ALL + 1);
-    int32_t end = n / STEP * STEP;
     fill(src.data, n + 1, channels, seed);
-    for (int32_t i = end - 1; i >= 0; i--)
-        end = stops(p + channels * i, channels, touch) ? i / STEP * STEP : end;
-    for (int32_t i = 0; i < end; i++)
-        add(&want, wanted, p + channels * i, channels, x + i, touch);
-    CHECK(level->sample8(&found, steps, squares, p, n, channels, x, touch) == end);
+    for (int32_t i = 0; i < end; i++) {
+        const uint8_t *const at = p + channels * i;
+        add(&want[0], wanted, at, channels, x + i, touch);
+        if (is_near_end(at[0]) && is_near_end(at[1]))
+            add(&want[1], again, at, channels, x + i, touch);
+    }
+    CHECK(level->sample8(&found[0], &found[1], steps, squares, p, n, channels, x, touch) == end);
     CHECK(memcmp(&found, &want, sizeof found) == 0);
     CHECK(memcmp(steps, wanted, sizeof steps) == 0);
     guarded_free(&src);
@@ -116,13 +112,14 @@ static void check_samples(const ntp__kernels_table *level, int32_t n, int32_t ch
 static void check_bright(const ntp__kernels_table *level)
 {
     static uint8_t bright[3 * (LONG_RUN + 1)];
-    ntp__samples found = { 0 }, want = { 0 };
+    ntp__samples found = { 0 }, want = { 0 }, padding = { 0 };
     uint64_t steps[3][2] = { { 0 } }, wanted[3][2] = { { 0 } };
     for (int32_t i = 0; i < 3 * (LONG_RUN + 1); i++)
         bright[i] = i % 3 != 1 && i / 3 % 2 == 0 ? 0 : i % 3 == 1 ? 239 : 255;
     for (int32_t i = 0; i < LONG_RUN; i++)
         add(&want, wanted, bright + 3 * (i + 1), 3, i, 0);
-    CHECK(level->sample8(&found, steps, squares, bright + 3, LONG_RUN, 3, 0, 0) == LONG_RUN);
+    CHECK(level->sample8(&found, &padding, steps, squares, bright + 3, LONG_RUN, 3, 0, 0) ==
+          LONG_RUN);
     CHECK(memcmp(&found, &want, sizeof found) == 0);
     CHECK(memcmp(steps, wanted, sizeof steps) == 0);
 }

@@ -180,9 +180,10 @@ static int32_t add_packed(ntp_tally *t, const uint8_t *p, int32_t n, int32_t cha
     enum { MOST = 65536 };
     const uint32_t touched =
         t->encoding == NTP_ENCODING_HEIGHT ? (uint32_t) NTP_UNUSED_ALL : t->touched;
-    const int32_t done = ntp__kernels(NTP__CPU_ALL)
-                             ->sample8(&t->samples, t->block_steps, t->linear_square, p,
-                                       n < MOST ? n : MOST, channels, x, touched);
+    const int32_t done =
+        ntp__kernels(NTP__CPU_ALL)
+            ->sample8(&t->samples, &t->padding_samples, t->block_steps, t->linear_square, p,
+                      n < MOST ? n : MOST, channels, x, touched);
     t->block_count[0] += (uint32_t) (done - done / 8); /* whole groups */
     t->block_count[1] += (uint32_t) (done / 8);
     return done;

@@ -168,11 +168,11 @@ static inline bool ntp__linear_near_unit(uint32_t s)
     return s - least <= most - least;
 }
 
-/* Adds packed texels of 3 or 4 channels, a group of NTP__KERNEL_STEP after the other, up to one with a texel that
- * is used and may be padding: its red and green are within 15 of an end.  Unused ones have steps alone.  Steps are
- * those from the texel before, also the first; [0] within blocks of eight columns, [1] from one to the next.  `src`
- * is in column x.  n <= 65536.  Returns of how many. */
-typedef int32_t ntp__sample8_fn(ntp__samples *samples, uint64_t steps[3][2],
+/* Adds packed texels of 3 or 4 channels, in whole groups of NTP__KERNEL_STEP, and those again to `padding` whose
+ * red and green are within 15 of an end.  Unused ones have steps alone.  Steps are those from the texel before, also
+ * the first; [0] within blocks of eight columns, [1] from one to the next.  `src` is in column x.  n <= 65536.
+ * Returns of how many. */
+typedef int32_t ntp__sample8_fn(ntp__samples *samples, ntp__samples *padding, uint64_t steps[3][2],
                                 const uint32_t *linear_square, const uint8_t *src, int32_t n,
                                 int32_t channels, int32_t x, uint32_t touch_unused);
 
