@@ -294,10 +294,9 @@ static void add_products(ntp_orientation *acc, const products of[FILTERS], int32
     end_counts(acc, &sums, (uint32_t) (2 * half) - used);
 }
 
-static uint64_t sum_of(__m256i v)
+ONE_COPY static uint64_t sum_of(const __m256i *v)
 {
-    uint64_t lane[4];
-    store(lane, v);
+    const uint64_t *const lane = (const uint64_t *) (const void *) v;
     return lane[0] + lane[1] + lane[2] + lane[3];
 }
 
@@ -337,9 +336,9 @@ void ntp__add_stretch_avx2(ntp_orientation *acc, const ntp_const_image *src, uin
         add_broken(&c, &rows.planes[k], texels);
     filter_along(of, &sums, &c, n);
     acc->steep += sums.steep;
-    acc->along += sum_of(sums.along);
-    acc->both += sum_of(sums.both);
-    acc->either += sum_of(sums.either);
+    acc->along += sum_of(&sums.along);
+    acc->both += sum_of(&sums.both);
+    acc->either += sum_of(&sums.either);
     add_products(acc, of, x, n, cell, side, sums.used);
     end_lanes();
 }

@@ -17,7 +17,8 @@ void ntp__filter_down8_avx512(columns *to, const uint8_t *const rows[TAPS], int3
     const __m512i least = _mm512_set1_epi32((int32_t) ntp__least_rest(MAX));
     const __m512i far = _mm512_set1_epi32(ntp__far_sum(MAX));
     const __m512i places = steps_of(0x010001 * channels, 0x010000);
-    const __m512i hides = _mm512_set1_epi32(alpha ? (int32_t) 0xff000000 : -1);
+    const __m512i alphas = _mm512_set1_epi32((int32_t) 0xff000000);
+    const __mmask16 hides = alpha ? 0xffff : 0;
     for (int32_t first = 0; first < n; first += LANES_512) {
         const int32_t i = first > n - LANES_512 ? n - LANES_512 : first; /* the last again */
         __m512 u = _mm512_setzero_ps(), v = u, p_smooth = u, q_steep = u;
@@ -32,7 +33,7 @@ void ntp__filter_down8_avx512(columns *to, const uint8_t *const rows[TAPS], int3
             const __mmask16 end = _mm512_cmpgt_epi32_mask(
                 _mm512_abs_epi32(_mm512_madd_epi16(xy, _mm512_set1_epi16(1))), far);
             steep |= low & ~end;
-            no_normal |= (low & end) | (alpha ? _mm512_testn_epi32_mask(t, hides) : 0);
+            no_normal |= (low & end) | _mm512_mask_testn_epi32_mask(hides, t, alphas);
             const __m512 z = _mm512_sqrt_ps(_mm512_cvtepi32_ps(_mm512_max_epi32(rest, least)));
             const __m512i x = _mm512_srai_epi32(_mm512_slli_epi32(xy, 16), 16 - SLOPE_ONE_BITS);
             const __m512i y = _mm512_slli_epi32(_mm512_srai_epi32(xy, 16), SLOPE_ONE_BITS);

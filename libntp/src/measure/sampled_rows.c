@@ -5,6 +5,7 @@
  * These are the correlations of channels, signs of gamma, and the steps between columns that lossy
  * compression leaves.  All of them are integer sums, so parts merge exactly.
  */
+#include "base/inlining.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
 #include "texel/srgb.h"
@@ -107,15 +108,11 @@ static void add_pairs(ntp_tally *t, const int32_t *const c[3], int32_t n)
     }
 }
 
-static void add_padding(ntp__samples *s, const uint32_t *linear, const int32_t *const c[3],
-                        int32_t n)
+SELDOM static void add_padding(ntp__samples *s, const uint32_t *linear, const int32_t *const c[3],
+                               int32_t n)
 {
-    int32_t padding[3][NTP__BLOCK], any = 0, count = 0;
+    int32_t padding[3][NTP__BLOCK], count = 0;
     const int32_t *const planes[3] = { padding[0], padding[1], padding[2] };
-    for (int32_t i = 0; i < n; i++)
-        any |= ntp__is_padding(c[0][i], c[1][i], 255);
-    if (!any)
-        return;
     for (int32_t i = 0; i < n; i++) {
         for (int32_t k = 0; k < 3; k++)
             padding[k][count] = c[k][i]; /* over one that is none */
@@ -124,10 +121,31 @@ static void add_padding(ntp__samples *s, const uint32_t *linear, const int32_t *
     add_planes(s, linear, planes, count);
 }
 
+static bool any_padding(const int32_t *const c[3], int32_t n)
+{
+    int32_t any = 0;
+    for (int32_t i = 0; i < n; i++)
+        any |= ntp__is_padding(c[0][i], c[1][i], 255);
+    return any != 0;
+}
+
+/* Which of n texels from `first` on are used, at the front of `at`; returns how many. */
+SELDOM static int32_t find_used(uint8_t at[NTP__BLOCK], const ntp_tally *t, const ntp__block *block,
+                                int32_t first, int32_t n, int32_t m)
+{
+    const uint32_t touched =
+        t->encoding == NTP_ENCODING_HEIGHT ? (uint32_t) NTP_UNUSED_ALL : t->touched;
+    int32_t count = 0;
+    for (int32_t i = 0; i < n; i++) {
+        if (!ntp__texel_unused(block, first + i, m, touched))
+            at[count++] = (uint8_t) i;
+    }
+    return count;
+}
+
 static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int32_t n, int32_t m)
 {
-    bool picture = t->encoding == NTP_ENCODING_HEIGHT;
-    int32_t used[3][NTP__BLOCK], count = 0;
+    int32_t used[3][NTP__BLOCK];
     const int32_t *c[3];
     for (int32_t k = 0; k < 3; k++) {
         c[k] = block->c[k] + first;
@@ -136,23 +154,19 @@ static void add_colors(ntp_tally *t, const ntp__block *block, int32_t first, int
         c[k] = m != 255 ? used[k] : c[k];
     }
     if (ntp__any_suspect(block, first + n, m)) {
-        for (int32_t i = 0; i < n; i++) {
-            const int32_t at = first + i, r = block->c[0][at], g = block->c[1][at];
-            if ((block->any_broken && block->broken[at]) ||
-                (!picture && ntp__unused(r, g, block->c[2][at], block->c[3][at], m, t->touched)))
-                continue;
-            for (int32_t k = 0; k < 3; k++)
-                used[k][count] = c[k][i]; /* not behind i */
-            count++;
-        }
-        for (int32_t k = 0; k < 3; k++)
+        uint8_t at[NTP__BLOCK];
+        n = find_used(at, t, block, first, n, m);
+        for (int32_t k = 0; k < 3; k++) {
+            for (int32_t i = 0; i < n; i++)
+                used[k][i] = c[k][at[i]]; /* not behind i */
             c[k] = used[k];
-        n = count;
+        }
     }
     if (m != 255)
         add_pairs(t, c, n);
     add_planes(&t->samples, t->linear_square, c, n);
-    add_padding(&t->padding_samples, t->linear_square, c, n);
+    if (any_padding(c, n))
+        add_padding(&t->padding_samples, t->linear_square, c, n);
 }
 
 /* Adds the steps to texels [first, n) of a block from the ones before; `x` is the column of texel 0. */
