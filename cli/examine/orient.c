@@ -3,8 +3,8 @@
  * orient.c - which way green points, and whether that makes a difference, while rows go by
  *
  * The measurement of a row needs its neighbors.  Where some of them are in an earlier block, a band
- * keeps them.  Photographs and masks need no orientation.  So rows that look
- * like these are put aside until the class is known.
+ * keeps them.  Photographs and masks need no orientation.  So rows that look like these are put aside
+ * until the class is known.
  */
 #include <stdlib.h>
 #include <string.h>
@@ -121,8 +121,8 @@ static bool put_aside(worker *w, const ntp_const_image *view, int32_t y)
     return true;
 }
 
-/* Bit i of `near` is that of row y + BEFORE - i: is one of these measured in the band, as the rows around it are
- * not all in the area? */
+/* Bit i of `near` is that of row y + BEFORE - i.  Is one of these measured in the band, as not all rows around
+ * it are in the area? */
 static bool is_in_band(uint32_t near, const ntp_rect *area, int32_t y)
 {
     bool any = false;

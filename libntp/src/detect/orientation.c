@@ -3,7 +3,7 @@
  * orientation.c - which way green points: OpenGL or DirectX, from the texels alone
  *
  * This room finds out from its texels how a texture was made.
- *   orientation.c  which way green points
+ *   orientation.c  which way green points; stretch_avx2.c and stretch_avx512.c do the same with vectors
  *   find_kernel.c  which kernel took the slopes
  *   find_border.c  which border the heights had at the edges
  *   find_borders.c the borders of both axes, from bands of the texture

@@ -296,7 +296,8 @@ static void add_products(ntp_orientation *acc, const products of[FILTERS], int32
 
 ONE_COPY static uint64_t sum_of(const __m256i *v)
 {
-    const uint64_t *const lane = (const uint64_t *) (const void *) v;
+    uint64_t lane[4];
+    memcpy(lane, v, sizeof lane);
     return lane[0] + lane[1] + lane[2] + lane[3];
 }
 

@@ -32,7 +32,7 @@ void ntp__filter_down8_avx512(columns *to, const uint8_t *const rows[TAPS], int3
             const __mmask16 low = _mm512_cmplt_epi32_mask(rest, least);
             const __mmask16 end = _mm512_cmpgt_epi32_mask(
                 _mm512_abs_epi32(_mm512_madd_epi16(xy, _mm512_set1_epi16(1))), far);
-            steep |= low & ~end;
+            steep |= low;
             no_normal |= (low & end) | _mm512_mask_testn_epi32_mask(hides, t, alphas);
             const __m512 z = _mm512_sqrt_ps(_mm512_cvtepi32_ps(_mm512_max_epi32(rest, least)));
             const __m512i x = _mm512_srai_epi32(_mm512_slli_epi32(xy, 16), 16 - SLOPE_ONE_BITS);
