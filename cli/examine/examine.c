@@ -99,15 +99,13 @@ void facts_free(facts *f)
     *f = (facts) { 0 };
 }
 
-enum { LEVELS = 65536 };
-
 static void keep_levels(facts *f, source *s)
 {
     worker *w = s->w;
     /* Few levels are common; only unused texels may be further off than that. */
     size_t size = (size_t) f->stats.levels_off_max[f->encoding == NTP_ENCODING_ZZERO] + 1;
     if (w->histogram == NULL)
-        w->histogram = need(malloc(LEVELS * sizeof *w->histogram));
+        w->histogram = need(os_alloc_zeros(HISTOGRAM_SIZE));
     if (ntp_tally_levels_off(w->histogram, size, w->tally, f->encoding) != NTP_OK) {
         size = (size_t) f->stats.max + 1;
         if (ntp_tally_levels_off(w->histogram, size, w->tally, f->encoding) != NTP_OK)

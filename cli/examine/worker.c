@@ -5,7 +5,6 @@
 #include "examine/worker.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "os/memory.h"
 #include "text/text.h"
@@ -29,13 +28,11 @@ worker *worker_new(void)
 
 ntp_diff *worker_diff(worker *w)
 {
-    bool fresh = w->diff.data == NULL;
-    ntp_diff *diff = (ntp_diff *) (void *) buffer_reserve(&w->diff, ntp_diff_size());
-    if (fresh)
-        memset(diff, 0, ntp_diff_size()); /* what ntp_diff_clear takes has been a diff before */
+    if (w->diff == NULL) /* what ntp_diff_clear takes has been a diff before, or zeros */
+        w->diff = need(os_alloc_zeros(ntp_diff_size()));
     else
-        ntp_diff_clear(diff);
-    return diff;
+        ntp_diff_clear(w->diff);
+    return w->diff;
 }
 
 void worker_free(worker *w)
@@ -46,8 +43,9 @@ void worker_free(worker *w)
     free_aligned(w->kept.data);
     free_aligned(w->extra.data);
     free_aligned(w->extra2.data);
-    free_aligned(w->diff.data);
-    free(w->histogram);
+    free_aligned(w->extra3.data);
+    os_free_zeros(w->diff, ntp_diff_size());
+    os_free_zeros(w->histogram, HISTOGRAM_SIZE);
     os_free_zeros(w->orientation, ntp_orientation_size());
     free_aligned(w->band.data);
     free_aligned(w->aside.data);

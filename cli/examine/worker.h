@@ -19,7 +19,10 @@ typedef struct buffer {
 
 unsigned char *buffer_reserve(buffer *b, size_t size);
 
-enum { ASIDE_ROWS = 64 };
+enum {
+    ASIDE_ROWS = 64,
+    HISTOGRAM_SIZE = 65536 * sizeof(uint64_t) /* bytes; of 8 bit, a page of them is used */
+};
 
 typedef struct worker {
     ntp_tally *tally;
@@ -27,8 +30,8 @@ typedef struct worker {
     buffer raw;   /* rows as the file has them, where their channels are rearranged */
     buffer kept;  /* all rows as the file has them, where they are read again */
     buffer extra; /* the verb's own */
-    buffer extra2;
-    buffer diff;         /* an ntp_diff */
+    buffer extra2, extra3;
+    ntp_diff *diff;      /* NULL: none was needed */
     uint64_t *histogram; /* NTP levels 0..65535 */
     ntp_orientation *orientation;
     buffer band;  /* rows around the one whose orientation is measured */

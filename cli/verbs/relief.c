@@ -168,7 +168,7 @@ static ntp_status look_at_edges(production *p, ntp_border found[2])
     ntp_const_image src = relief_is_height(p) ? input_of(p) : st->solve.src;
     ntp_status status = NTP_OK;
     if (relief_is_height(p) && set->source != NTP_HEIGHT_SOURCE_RED) {
-        const ntp_image made = floats(&p->w->diff, &p->s.view);
+        const ntp_image made = floats(&p->w->extra3, &p->s.view);
         status = relief_blur(&made, &src, p, set->source, 0);
         src = ntp_image_as_const(&made);
     }
@@ -232,7 +232,7 @@ bool relief_heights(production *p, ntp_const_image *heights, ntpio_error *error)
         return false;
     if (set->blur == 0 && channel == NTP_HEIGHT_SOURCE_RED)
         return true;
-    made = floats(&p->w->diff, &p->s.view);
+    made = floats(&p->w->extra3, &p->s.view);
     const ntp_status status = relief_blur(&made, heights, p, channel, set->blur);
     *heights = ntp_image_as_const(&made);
     return status == NTP_OK || library_error(&p->s, status, error);

@@ -198,7 +198,7 @@ static bool write_chunk(const step *s)
     unsigned char *out = (unsigned char *) st->made.data +
                          (size_t) (s->write.y0 % RING) * (size_t) st->made.row_stride;
     if (st->made.channels == FULL) {
-        out = buffer_reserve(&s->p->w->diff, st->out_row * CHUNK);
+        out = buffer_reserve(&s->p->w->extra3, st->out_row * CHUNK);
         lay_out(st, s->p->m->settings, out, s->write.y0, s->write.y1);
     }
     return production_write(s->p, out, (ptrdiff_t) st->out_row, &s->write, s->error);

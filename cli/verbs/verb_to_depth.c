@@ -248,7 +248,7 @@ static bool finish(production *p, ntpio_error *error)
             return false;
         }
     }
-    const ntp_image depth = floats(&p->w->extra2, view), confidence = floats(&p->w->diff, view);
+    const ntp_image depth = floats(&p->w->extra2, view), confidence = floats(&p->w->extra3, view);
     const bool sure = set->confidence_file != NULL;
     const ntp_status status = depth_solve(p->w, &depth, sure ? &confidence : NULL, &st->src, &how,
                                           (stretch) { READ_PERMILLE, 1000 }, &st->result);
