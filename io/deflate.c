@@ -19,6 +19,8 @@
  */
 #include "deflate_state.h"
 
+#include <os/memory.h>
+
 enum {
     FIRST_SPAN = 4096,  /* bytes; its costs are guessed */
     QUICK_PART = 4096,  /* symbols: the least block of quick levels */
@@ -287,21 +289,26 @@ static void read_all(ntpio__deflater *d, int level, size_t from)
 ntpio__deflater *ntpio__deflater_new(int level)
 {
     ntpio__deflater *d = malloc(sizeof *d);
-    if (d != NULL)
-        memset(d, 0, offsetof(ntpio__deflater, sums));
-    if (d != NULL && level >= CAREFUL)
-        d->careful = calloc(1, sizeof *d->careful);
-    if (d != NULL && level >= CAREFUL && d->careful == NULL) {
-        free(d);
+    if (d == NULL)
         return NULL;
-    }
-    return d;
+    /* Each run begins the tables, and sets the places before of those that it passes. */
+    memset((uint8_t *) d + offsetof(ntpio__deflater, count), 0,
+           offsetof(ntpio__deflater, sums) - offsetof(ntpio__deflater, count));
+    d->steps = os_alloc_zeros(STEPS * sizeof *d->steps);
+    if (level >= CAREFUL)
+        d->careful = calloc(1, sizeof *d->careful);
+    if (d->steps != NULL && (level < CAREFUL || d->careful != NULL))
+        return d;
+    ntpio__deflater_free(d);
+    return NULL;
 }
 
 void ntpio__deflater_free(ntpio__deflater *d)
 {
-    if (d != NULL)
-        free(d->careful);
+    if (d == NULL)
+        return;
+    os_free_zeros(d->steps, STEPS * sizeof *d->steps);
+    free(d->careful);
     free(d);
 }
 

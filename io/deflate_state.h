@@ -26,11 +26,12 @@ enum {
     BLOCK = 65536,     /* symbols: the largest one, less a part */
     SPAN = 16384,      /* bytes that are read with the same costs */
     WIDE_SPAN = 65536, /* ... at careful levels */
-    BIT = 16,          /* costs are in parts of a bit */
-    FOUND_MAX = 8,     /* matches at a byte that are remembered */
-    SOON = 4,          /* bytes ahead, the tables are fetched */
-    AHEAD = 8192, /* ... and the bytes themselves, which take longest; may be after the last one */
-    LINE = 64     /* bytes that are fetched together */
+    STEPS = BLOCK + 2 * SPAN,
+    BIT = 16,      /* costs are in parts of a bit */
+    FOUND_MAX = 8, /* matches at a byte that are remembered */
+    SOON = 4,      /* bytes ahead, the tables are fetched */
+    AHEAD = 8192,  /* ... and the bytes themselves, which take longest; may be after the last one */
+    LINE = 64      /* bytes that are fetched together */
 };
 
 typedef struct effort {
@@ -74,11 +75,11 @@ struct ntpio__deflater {
     const uint8_t *bytes;
     size_t block_from, to;
     ntpio__bits bits;
-    size_t in_bits; /* of what was packed last */
-    /* These hold nothing until they are written, and small pictures fill few pages of them. */
+    size_t in_bits;     /* of what was packed last */
+    ntpio__step *steps; /* STEPS of them; small pictures fill few pages of these */
+    /* These hold nothing until they are written. */
     /* Of costs as literals, from the span's start; their low bits: those of a match take 16 or less. */
     uint16_t sums[SPAN + NTPIO__LENGTH_MAX + 1];
-    ntpio__step steps[BLOCK + 2 * SPAN];
 };
 
 /* Costs of symbols that occur as often. */

@@ -82,9 +82,10 @@ bool ntpio__band_init(const ntpio__banding *p, ntpio__band *b)
     b->raw = new_rows(p);
     b->filtered = os_alloc_large(NTPIO__WINDOW + size + NTPIO__SLACK);
     b->out = malloc(most_packed(p));
-    b->again = malloc(most_packed(p));
+    const bool tries = p->level >= SEARCHES || p->rival != 0;
+    b->again = tries ? malloc(most_packed(p)) : NULL;
     return b->deflater != NULL && b->raw != NULL && b->filtered != NULL && b->out != NULL &&
-           b->again != NULL;
+           (b->again != NULL || !tries);
 }
 
 void ntpio__band_free(ntpio__band *b)

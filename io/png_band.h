@@ -28,7 +28,7 @@ typedef struct ntpio__band {
     uint8_t *raw;      /* the row before the band, and the band's; or the last two of these */
     uint8_t *filtered; /* a window of older bytes, the band, the slack; before, what is tried */
     uint8_t *out;      /* packed */
-    uint8_t *again;    /* ... another way; before, what is tried */
+    uint8_t *again;    /* ... another way; before, what is tried; NULL where nothing is */
     size_t size, bits; /* of out; without what fills it up to a whole byte */
     int kind, level;   /* of the filters, and of packing: what is chosen */
     uint32_t rows, checksum;

@@ -72,9 +72,11 @@ void ntpio__png_packer_free(ntpio__png_packer *p)
     free(p);
 }
 
-/* Leaves the end of a band for the next one, which may look back into it. */
+/* Leaves the end of a band for the next one, if there is one, which may look back into it. */
 static void leave_tail(ntpio__png_packer *p, uint32_t number, const uint8_t *end, size_t size)
 {
+    if (p->bands[number % p->slots].last)
+        return;
     tail *t = &p->tails[number % (p->slots + 1)];
     t->size = size < NTPIO__WINDOW ? size : NTPIO__WINDOW;
     memcpy(t->bytes, end - t->size, t->size);
@@ -185,7 +187,9 @@ ntpio__png_packer *ntpio__png_packer_new(size_t row_size, uint32_t height, size_
     p->slots = most < 2 ? 1 : bands < (uint32_t) most + 1 ? bands : (uint32_t) most + 1;
     for (uint32_t i = 0; i < p->slots; i++)
         good = ntpio__band_init(&p->shared, &p->bands[i]) && good;
-    p->tails = calloc(p->slots + (size_t) 1, sizeof *p->tails);
+    p->tails = malloc((p->slots + (size_t) 1) * sizeof *p->tails);
+    for (uint32_t i = 0; p->tails != NULL && i <= p->slots; i++)
+        p->tails[i].ready = 0;
     p->before = calloc(1, row_size);
     p->joined = malloc(CHUNK + ENDING);
     if (!good || p->tails == NULL || p->before == NULL || p->joined == NULL) {

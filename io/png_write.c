@@ -262,7 +262,14 @@ static bool write_tail(png_state *s)
     return true;
 }
 
-/* Texts that the reader found after its pixels are written after ours. */
+static bool put_end(png_state *s)
+{
+    static const png_byte end[] = { 0, 0, 0, 0, 'I', 'E', 'N', 'D', 0xae, 0x42, 0x60, 0x82 };
+    return ntpio__output_write(s->writer->output, end, sizeof end, s->error);
+}
+
+/* Texts that the reader found after its pixels are written after ours.  Without them, libpng takes more
+ * time for the end than for the pixels of an icon. */
 static bool png_end(ntpio_writer *writer, ntpio_error *error)
 {
     png_state *s = writer->state;
@@ -270,12 +277,13 @@ static bool png_end(ntpio_writer *writer, ntpio_error *error)
     s->error = error;
     if (setjmp(png_jmpbuf(s->png)) != 0)
         return fail(s);
-    if (from != NULL && from->text_count > s->texts_written &&
-        !add_texts(s, s->end_info, from->texts + s->texts_written,
-                   from->text_count - s->texts_written))
+    const size_t late = from != NULL && from->text_count > s->texts_written
+                            ? from->text_count - s->texts_written
+                            : 0;
+    if (late > 0 && !add_texts(s, s->end_info, from->texts + s->texts_written, late))
         return false;
     if (s->packer != NULL)
-        return write_tail(s);
+        return late > 0 ? write_tail(s) : put_end(s);
     png_write_end(s->png, s->end_info);
     return true;
 }
