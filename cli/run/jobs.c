@@ -14,6 +14,7 @@
 
 #include "cli.h"
 #include "os/console.h"
+#include "os/memory.h"
 #include "os/threads.h"
 
 enum {
@@ -47,11 +48,18 @@ typedef struct seat {
     os_thread thread;
 } seat;
 
+/* Who only reads a file takes less memory than a large page. */
+static void *prepare_memory(const batch *b)
+{
+    return b->reads_only ? NULL : os_large_pages_for_malloc();
+}
+
 static void *work_loop(void *context)
 {
     seat *s = context;
     queue *q = s->q;
     const batch *b = q->b;
+    void *const aside = prepare_memory(b);
     os_lock_take(&q->lock);
     for (;;) {
         while (!q->stop && q->next < b->inputs->count && q->next >= q->delivered + AHEAD)
@@ -71,6 +79,7 @@ static void *work_loop(void *context)
     }
     os_condition_wake_all(&q->changed);
     os_lock_release(&q->lock);
+    free(aside);
     return NULL;
 }
 
@@ -179,6 +188,7 @@ static unsigned finish(unsigned ran)
  * file. */
 static unsigned run_alone(const batch *b)
 {
+    void *const aside = prepare_memory(b);
     worker *w = worker_new();
     w->threads = threads_allowed(b);
     result r = { 0 };
@@ -186,6 +196,7 @@ static unsigned run_alone(const batch *b)
     const unsigned ran = r.ran;
     print_result(b, &b->inputs->at[0], &r);
     worker_free(w);
+    free(aside);
     return finish(ran);
 }
 

@@ -36,6 +36,11 @@ void os_keep_memory(void)
 {
 }
 
+void *os_large_pages_for_malloc(void)
+{
+    return NULL;
+}
+
 /* calloc of wasi-libc writes zeros over zeros, which takes longer than to check a small file. */
 void *os_alloc_zeros(size_t size)
 {

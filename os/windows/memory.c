@@ -36,6 +36,11 @@ void os_keep_memory(void)
 {
 }
 
+void *os_large_pages_for_malloc(void)
+{
+    return NULL;
+}
+
 void *os_alloc_zeros(size_t size)
 {
     return calloc(1, size);
