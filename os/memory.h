@@ -28,8 +28,8 @@ void os_make_present(void *memory, size_t size);
 /* What is freed from now on may stay with the program: for one that works on file after file. */
 void os_keep_memory(void);
 
-/* ... and what malloc gives this thread next lies in large pages, where the system has them.  Returns what
- * is to be freed at the end, or NULL. */
+/* ... and what malloc gives this thread next lies in large pages, where the system has them: for one that works
+ * on a single file.  Returns what is to be freed at the end, or NULL. */
 void *os_large_pages_for_malloc(void);
 
 #endif

@@ -77,7 +77,7 @@ void os_keep_memory(void)
 void *os_large_pages_for_malloc(void)
 {
 #if defined __GLIBC__ && defined MADV_HUGEPAGE
-    enum { AT_ONCE = 8 * LARGE };
+    enum { AT_ONCE = 24 * LARGE };
     uint8_t *const next = malloc(AT_ONCE);
     const size_t rest = (LARGE - (uintptr_t) next % LARGE) % LARGE;
     if (next != NULL)
