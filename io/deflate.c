@@ -296,7 +296,7 @@ ntpio__deflater *ntpio__deflater_new(int level)
            offsetof(ntpio__deflater, sums) - offsetof(ntpio__deflater, count));
     d->steps = os_alloc_zeros(STEPS * sizeof *d->steps);
     if (level >= CAREFUL)
-        d->careful = calloc(1, sizeof *d->careful);
+        d->careful = malloc(sizeof *d->careful);
     if (d->steps != NULL && (level < CAREFUL || d->careful != NULL))
         return d;
     ntpio__deflater_free(d);

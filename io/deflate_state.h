@@ -46,12 +46,13 @@ typedef struct effort {
     bool far;     /* takes no match below eight bytes */
 } effort;
 
+/* Holds nothing until it is written; the largest part is the last one, of which small pictures fill little. */
 typedef struct careful {
-    ntpio__match found[WIDE_SPAN][FOUND_MAX]; /* at each byte */
     int32_t sides[NTPIO__WINDOW][2]; /* of a place in its tree: what is before it, and after it */
     uint8_t count[WIDE_SPAN];        /* of found */
     ntpio__match best[WIDE_SPAN];    /* 0: a literal */
     uint32_t cost[WIDE_SPAN + NTPIO__LENGTH_MAX]; /* from a byte to the end */
+    ntpio__match found[WIDE_SPAN][FOUND_MAX];     /* at each byte */
 } careful;
 
 struct ntpio__deflater {
