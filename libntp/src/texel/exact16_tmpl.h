@@ -31,12 +31,12 @@ enum { EXACT_STEP = 16, EVERY = 0x55555555 };
 typedef struct exact_texels {
     int16_t s[256];            /* 1 - t, or 0: not exact, odd, or t = 1 */
     int16_t z[256], pair[256]; /* half_up of x and of y, less 2 */
-    /* Of those that are steeper than nearly flat, in groups of eight; an s of 0: of none. */
-    int16_t steep_s[256 + 8], steep_z[256 + 8];
-    uint8_t from[256], few[256]; /* where these are; where those are that are in no group yet */
+    int16_t steep_s[256 + EXACT_STEP],
+        steep_z[256 + EXACT_STEP]; /* of those that are steeper than nearly flat */
+    uint8_t wait[256];             /* all bits: this one waits */
     /* Where to count in exact: nearly flat ones, and steeper ones; and these in exact_off (close.h). */
     uint16_t at[256], far[256], off[256];
-    int32_t few_ones, steep, near_ones; /* how many; of the latter two, with those of none */
+    int32_t steep, near_ones; /* how many; of the latter, with those of none */
 } exact_texels;
 
 /* Of red, green and blue: sums of eight lanes, and extremes of 16. */
@@ -44,9 +44,10 @@ typedef struct exact_survey {
     __m256i sum[3], least[3], greatest[3];
 } exact_survey;
 
-/* Of texels that are steeper than nearly flat. */
+/* Of texels that are steeper than nearly flat: sums of eight lanes, and extremes of 16: the least is 1 less, and
+ * of distances there is EXACT_LESS more. */
 typedef struct far_sums {
-    __m256i longer, squares, shortest, longest, most, texels;
+    __m256i longer, squares, shortest, longest, most;
 } far_sums;
 
 static inline uint32_t lanes_of(__m256i mask)
@@ -145,70 +146,96 @@ static inline __m256i place_near(__m256i *between, __m256i s, __m256i z, __m256i
     return _mm256_or_si256(at, _mm256_and_si256(rounded, words(8 * NTP__EXACT_ROUNDED)));
 }
 
-static inline __m256i words_of(const int16_t *p)
+/* Eight of these, of which words hold z and t, z + 1 and -1, 0 and z: their lengths in Z-zero, less 65536, and
+ * 64 xy / A_M.  `sure`: all bits, or that of close_length is in doubt.  It is done as there, but for what follows.
+ * s is G - 2^30, off by 32 or less, and M*M + 2^30, whose sum is off by 256.  And (s r)/M stands for k/M, which
+ * is off by 2^-17 and a little. */
+static inline __m256i far_length(__m256i *sure, __m256i *steep, __m256i zt, __m256i by,
+                                 __m256i high)
 {
-    return _mm256_cvtepi16_epi32(_mm_loadu_si128((const __m128i *) (const void *) p));
+    enum { MORE = 1 << 30, M2_LESS_3 = (int32_t) (65535U * 65535U - 3U) };
+    const float m = 65535, margin = 0x1p-16f;
+    const __m256i e = _mm256_madd_epi16(zt, by);
+    const __m256i rest_g = _mm256_add_epi32(high, _mm256_madd_epi16(zt, eight(0x1ffff)));
+    const __m256i g = _mm256_sub_epi32(_mm256_sub_epi32(rest_g, e), _mm256_add_epi32(e, e));
+    *steep = steepness(_mm256_sub_epi32(eight(CLOSE_AM - 1), e));
+    const __m256 s = _mm256_add_ps(_mm256_cvtepi32_ps(g), _mm256_set1_ps(m * m + MORE));
+    const __m256 guess = _mm256_rsqrt_ps(s), half = _mm256_mul_ps(s, _mm256_set1_ps(0.5f));
+    const __m256 error = _mm256_mul_ps(_mm256_mul_ps(half, guess), guess);
+    const __m256 r = _mm256_mul_ps(guess, _mm256_sub_ps(_mm256_set1_ps(1.5f), error));
+    const __m256 root = _mm256_mul_ps(s, r);
+    const __m256i k = _mm256_cvtps_epi32(root);
+    const __m256i square = _mm256_add_epi32(g, eight(M2_LESS_3 + MORE));
+    const __m256 rest = _mm256_cvtepi32_ps(_mm256_sub_epi32(square, _mm256_mullo_epi32(k, k)));
+    const __m256 part = _mm256_mul_ps(rest, _mm256_mul_ps(r, _mm256_set1_ps(32768.0f / m)));
+    const __m256 more =
+        _mm256_add_ps(_mm256_mul_ps(root, _mm256_set1_ps(1.0f / m)), _mm256_set1_ps(0.5f - margin));
+    const __m256 up = _mm256_add_ps(part, more);
+    const __m256i down = _mm256_cvttps_epi32(up);
+    *sure = _mm256_cmpeq_epi32(down,
+                               _mm256_cvttps_epi32(_mm256_add_ps(up, _mm256_set1_ps(2 * margin))));
+    return _mm256_add_epi32(_mm256_sub_epi32(k, eight(NTP__LENGTH_ONE)), down);
 }
 
-static inline void store_words(uint16_t *p, __m256i v)
+/* The lengths of 16, where any is in doubt. */
+SELDOM static void far_lengths_again(int16_t *longer, const int16_t *z, const int16_t *s)
 {
-    const __m256i two = _mm256_packus_epi32(v, v);
-    _mm_storeu_si128((__m128i *) (void *) p,
-                     _mm256_castsi256_si128(_mm256_permute4x64_epi64(two, 0x08)));
-}
-
-/* Eight steeper texels but bad ones. */
-static inline void add_far(far_sums *s, __m256i off, __m256i longer, __m256i bad)
-{
-    const __m256i length = kept(longer, bad);
-    s->most = _mm256_max_epi32(s->most, off);
-    s->longer = _mm256_add_epi32(s->longer, length);
-    s->squares = _mm256_add_epi32(s->squares, _mm256_madd_epi16(length, length));
-    s->shortest = _mm256_min_epu32(s->shortest, _mm256_or_si256(length, bad));
-    s->longest = _mm256_max_epi32(s->longest, length);
-    s->texels = _mm256_add_epi32(s->texels, kept(eight(1), bad));
-}
-
-/* The same of the texels that are steeper; also sums them.  Puts those in doubt behind `left` others, and
- * returns how many these are then.  Lengths are at most 2/sqrt(3), which is 10,139 above 65536: the squares
- * of 32 fit. */
-static int32_t place_far(far_sums *sums, exact_texels *v, int32_t *others, int32_t left)
-{
-    const __m256i zero = _mm256_setzero_si256(), one = eight(1);
-    far_sums s = { zero, zero, eight(-1), zero, zero, zero };
-    for (int32_t i = 0; i < v->steep; i += 8) {
-        const __m256i rest = words_of(v->steep_s + i), z = words_of(v->steep_z + i);
-        const __m256i none = _mm256_cmpeq_epi32(rest, zero), t = _mm256_sub_epi32(one, rest);
-        const __m256i t2 = _mm256_add_epi32(t, t), z1 = _mm256_add_epi32(z, one);
-        const __m256i b = _mm256_add_epi32(z, eight(CLOSE_K));
-        const __m256i e = _mm256_sub_epi32(_mm256_mullo_epi32(z, z1), t);
-        const __m256i g = _mm256_sub_epi32(_mm256_mullo_epi32(b, b), _mm256_slli_epi32(e, 2));
-        __m256i between;
-        const __m256i longer = _mm256_sub_epi32(close_length(&between, g), eight(NTP__LENGTH_ONE));
-        const __m256i bad = _mm256_or_si256(between, none);
-        /* how many limits t has passed, negative */
-        __m256i passed = _mm256_add_epi32(_mm256_cmpgt_epi32(t, eight(NTP__CLOSE_T_ONE - 1)),
-                                          _mm256_cmpgt_epi32(t, eight(NTP__CLOSE_T_LONGER - 1)));
-        passed = _mm256_add_epi32(passed, _mm256_cmpgt_epi32(t, zero));
-        __m256i off = _mm256_sub_epi32(eight(CLOSE_K - 1), z);
-        off = _mm256_sub_epi32(off, _mm256_cmpgt_epi32(t2, z1));
-        off = kept(_mm256_sub_epi32(off, _mm256_cmpgt_epi32(_mm256_add_epi32(t2, z), zero)), bad);
-        add_far(&s, off, longer, bad);
-        __m256i at = _mm256_slli_epi32(_mm256_srli_epi32(longer, 9), 10);
-        at = _mm256_add_epi32(
-            at, _mm256_slli_epi32(steepness(_mm256_sub_epi32(eight(CLOSE_AM - 1), e)), 4));
-        at = _mm256_sub_epi32(at, _mm256_slli_epi32(passed, 2));
-        at = _mm256_add_epi32(at, _mm256_add_epi32(own_copies(), eight(NTP__EXACT_FAR)));
-        /* as many places as lanes for what is forgotten */
-        const __m256i forgotten = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-        store_words(v->far + i, _mm256_blendv_epi8(at, forgotten, bad));
-        off = _mm256_add_epi32(off, eight(7));
-        store_words(v->off + i, _mm256_blendv_epi8(off, forgotten, bad));
-        for (uint32_t doubt = lanes_of(kept(between, none)); doubt != 0; doubt &= doubt - 1)
-            others[left++] = v->from[i + __builtin_ctz(doubt)];
+    for (int32_t i = 0; i < EXACT_STEP; i++) {
+        const int32_t e = z[i] * (z[i] + 1) - 1 + s[i];
+        const double b = CLOSE_K + z[i];
+        const int32_t length = ntp__fixed_length(4.0 * (CLOSE_AM - 1 - e) + 2.0 + b * b, 65535);
+        longer[i] = (int16_t) (length - NTP__LENGTH_ONE);
     }
-    *sums = s;
-    return left;
+}
+
+/* The same of the texels that are steeper, 16 at a time; also sums them.  Lengths are at most 2/sqrt(3), which
+ * is 10,139 above 65536: the squares of 34 fit. */
+static void place_far(far_sums *sums, exact_texels *v)
+{
+    enum { BY = NTP__CLOSE_COPIES };
+    const __m256i zero = _mm256_setzero_si256(), ones = eight(-1);
+    const __m256i copies = _mm256_and_si256(
+        _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7), words(BY - 1));
+    far_sums f = { zero, zero, ones, zero, zero };
+    for (int32_t i = 0; i < v->steep; i += EXACT_STEP) {
+        const __m256i s = load_eight(v->steep_s + i), z = load_eight(v->steep_z + i);
+        const __m256i none = _mm256_cmpeq_epi16(s, zero), t = _mm256_sub_epi16(words(1), s);
+        const __m256i t2 = _mm256_adds_epi16(t, t), z1 = _mm256_sub_epi16(z, ones);
+        __m256i sure[2], steep[2];
+        __m256i longer = _mm256_packs_epi32(
+            far_length(&sure[0], &steep[0], _mm256_unpacklo_epi16(z, t),
+                       _mm256_unpacklo_epi16(z1, ones), _mm256_unpacklo_epi16(zero, z)),
+            far_length(&sure[1], &steep[1], _mm256_unpackhi_epi16(z, t),
+                       _mm256_unpackhi_epi16(z1, ones), _mm256_unpackhi_epi16(zero, z)));
+        if (lanes_of(_mm256_and_si256(sure[0], sure[1])) != 255) {
+            int16_t again[EXACT_STEP];
+            far_lengths_again(again, v->steep_z + i, v->steep_s + i);
+            longer = load_eight(again);
+        }
+        longer = kept(longer, none);
+        f.longer = _mm256_add_epi32(f.longer, _mm256_madd_epi16(longer, words(1)));
+        f.squares = _mm256_add_epi32(f.squares, _mm256_madd_epi16(longer, longer));
+        f.shortest = _mm256_min_epu16(f.shortest, _mm256_add_epi16(longer, ones)); /* none is 0 */
+        f.longest = _mm256_max_epu16(f.longest, longer);
+        __m256i off = _mm256_sub_epi16(words(CLOSE_K - 1 + NTP__EXACT_LESS - 1), z);
+        off = _mm256_sub_epi16(off, _mm256_cmpgt_epi16(t2, z1));
+        off = _mm256_sub_epi16(off, _mm256_cmpgt_epi16(t2, _mm256_sub_epi16(zero, z)));
+        off = kept(off, none);
+        f.most = _mm256_max_epu16(f.most, off);
+        store_eight(v->off + i, off);
+        /* how many limits t has passed, negative */
+        const __m256i passed = _mm256_add_epi16(
+            _mm256_add_epi16(_mm256_cmpgt_epi16(t, words(NTP__CLOSE_T_ONE - 1)),
+                             _mm256_cmpgt_epi16(t, words(NTP__CLOSE_T_LONGER - 1))),
+            _mm256_cmpgt_epi16(t, zero));
+        __m256i at = _mm256_slli_epi16(_mm256_srli_epi16(longer, 9), 10);
+        at = _mm256_add_epi16(at, _mm256_slli_epi16(_mm256_packs_epi32(steep[0], steep[1]), 4));
+        at = _mm256_sub_epi16(_mm256_add_epi16(at, words(NTP__EXACT_FAR)),
+                              _mm256_slli_epi16(passed, 2));
+        /* what is forgotten has places as copies have */
+        store_eight(v->far + i, _mm256_add_epi16(kept(at, none), copies));
+    }
+    *sums = f;
 }
 
 ONE_COPY static uint32_t least_of_words(__m256i v)
@@ -242,12 +269,12 @@ static void survey_exact(ntp__survey *out, exact_texels *to, const uint16_t *src
 
 static void end_far(ntp__exact_block *out, const far_sums *s)
 {
-    out->far = sum_of_eight(s->texels);
+    const __m256i ones = eight(-1);
     out->length_sum = (uint32_t) sum_of_eight(s->longer);
     out->length_error2 = sum_of_squares(s->squares);
-    out->least = ~greatest_of_eight(_mm256_xor_si256(s->shortest, eight(-1)));
-    out->greatest = greatest_of_eight(s->longest);
-    out->levels_off_max = greatest_of_eight(s->most) - 1;
+    out->least = least_of_words(s->shortest) + 1;
+    out->greatest = 65535 - least_of_words(_mm256_xor_si256(s->longest, ones));
+    out->levels_off_max = 65535 - NTP__EXACT_LESS - least_of_words(_mm256_xor_si256(s->most, ones));
 }
 
 /* Counts at n places, whole groups. */
@@ -267,64 +294,73 @@ static inline void prefetch_exact(const uint16_t *p)
     _mm_prefetch((const char *) p + 64, _MM_HINT_T0);
 }
 
-/* Takes those of eight texels from i on that are steep as a group, or notes them if they are few: a group
- * costs as much as gathering five. */
-static inline void take_steep(exact_texels *v, int32_t i, __m128i far)
+/* Which words of four are kept, for each mask of four. */
+#  define KEEP(a, b, c, d)                                                                         \
+      { 2 * (a), 2 * (a) + 1, 2 * (b), 2 * (b) + 1, 2 * (c), 2 * (c) + 1, 2 * (d), 2 * (d) + 1 }
+static const uint8_t KEPT[16][8] = {
+    KEEP(0, 0, 0, 0), KEEP(0, 0, 0, 0), KEEP(1, 0, 0, 0), KEEP(0, 1, 0, 0),
+    KEEP(2, 0, 0, 0), KEEP(0, 2, 0, 0), KEEP(1, 2, 0, 0), KEEP(0, 1, 2, 0),
+    KEEP(3, 0, 0, 0), KEEP(0, 3, 0, 0), KEEP(1, 3, 0, 0), KEEP(0, 1, 3, 0),
+    KEEP(2, 3, 0, 0), KEEP(0, 2, 3, 0), KEEP(1, 2, 3, 0), KEEP(0, 1, 2, 3),
+};
+#  undef KEEP
+
+static inline void keep_words(int16_t *to, const int16_t *from, __m128i which)
 {
-    enum { FEW = 4 };
-    const uint64_t places =
-        UINT64_C(0x0706050403020100) + UINT64_C(0x0101010101010101) * (uint32_t) i;
-    const uint32_t bits = (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(far, far)) & 255;
-    if (__builtin_popcount(bits) <= FEW) {
-        v->few_ones += find_four_bytes(v->few + v->few_ones, i, bits & 15);
-        v->few_ones += find_four_bytes(v->few + v->few_ones, i + 4, bits >> 4);
-        return;
-    }
-    const __m128i *const s = (const __m128i *) (const void *) (v->s + i),
-                         *const z = (const __m128i *) (const void *) (v->z + i);
-    _mm_storeu_si128((__m128i *) (void *) (v->steep_s + v->steep),
-                     _mm_and_si128(_mm_loadu_si128(s), far));
-    _mm_storeu_si128((__m128i *) (void *) (v->steep_z + v->steep), _mm_loadu_si128(z));
-    memcpy(v->from + v->steep, &places, sizeof places);
-    v->steep += 8;
+    const __m128i four = _mm_loadl_epi64((const __m128i *) (const void *) from);
+    _mm_storel_epi64((__m128i *) (void *) to, _mm_shuffle_epi8(four, which));
 }
 
-/* Makes groups of the few that were noted, and fills up the last one. */
-static inline void gather_few(exact_texels *v)
+/* Takes those of 16 texels from i on that are steep.  Branches would be taken at random. */
+static inline void take_steep(exact_texels *v, int32_t i, __m256i far)
 {
-    for (int32_t i = 0; i < v->few_ones; i++, v->steep++) {
-        v->from[v->steep] = v->few[i];
-        v->steep_s[v->steep] = v->s[v->few[i]];
-        v->steep_z[v->steep] = v->z[v->few[i]];
+    const __m128i bytes =
+        _mm_packs_epi16(_mm256_castsi256_si128(far), _mm256_extracti128_si256(far, 1));
+    uint32_t bits = (uint32_t) _mm_movemask_epi8(bytes);
+    for (int32_t k = 0; k < EXACT_STEP; k += 4, bits >>= 4) {
+        const __m128i which = _mm_loadl_epi64((const __m128i *) (const void *) KEPT[bits & 15]);
+        keep_words(v->steep_s + v->steep, v->s + i + k, which);
+        keep_words(v->steep_z + v->steep, v->z + i + k, which);
+        v->steep += (int32_t) (COUNTS >> 4 * (bits & 15) & 15);
     }
-    memset(v->steep_s + v->steep, 0, 8 * sizeof v->steep_s[0]);
-    memset(v->steep_z + v->steep, 0, 8 * sizeof v->steep_z[0]);
 }
 
-/* Places 16 texels, but steep ones, which are taken or noted; returns the bits of those that wait. */
-static inline uint32_t place_exact(exact_texels *v, int32_t i)
+/* Places 16 texels, but steep ones, which are taken or noted, and notes which wait. */
+static inline void place_exact(exact_texels *v, int32_t i)
 {
     const __m256i lanes = _mm256_setr_epi16(0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7);
     const __m256i s = load_eight(v->s + i), z = load_eight(v->z + i);
     const __m256i bad = _mm256_cmpeq_epi16(s, _mm256_setzero_si256());
-    if (bits_of(bad) == EVERY)
-        return EVERY;
     const __m256i far = kept(_mm256_cmpgt_epi16(words(CLOSE_K - NTP__EXACT_NEAR), z), bad);
-    __m256i none = _mm256_or_si256(bad, far);
-    uint32_t wait = bits_of(bad);
-    if (bits_of(none) != EVERY) {
+    const __m256i others = _mm256_or_si256(bad, far);
+    __m256i wait = bad;
+    if (bits_of(others) != EVERY) {
         __m256i between;
         const __m256i at = place_near(&between, s, z, load_eight(v->pair + i));
-        none = _mm256_or_si256(none, between);
+        const __m256i none = _mm256_or_si256(others, between);
         store_eight(v->at + v->near_ones, _mm256_add_epi16(kept(at, none), lanes));
         v->near_ones += EXACT_STEP;
-        wait = bits_of(kept(none, far));
+        wait = kept(none, far);
     }
-    if (bits_of(far) != 0) {
-        take_steep(v, i, _mm256_castsi256_si128(far));
-        take_steep(v, i + 8, _mm256_extracti128_si256(far, 1));
+    _mm_storeu_si128(
+        (__m128i *) (void *) (v->wait + i),
+        _mm_packs_epi16(_mm256_castsi256_si128(wait), _mm256_extracti128_si256(wait, 1)));
+    if (bits_of(far) != 0)
+        take_steep(v, i, far);
+}
+
+/* The places of those that wait; many at once, as the end of a loop is not foreseen. */
+static inline int32_t list_waiting(int32_t *left, const exact_texels *v, int32_t n)
+{
+    enum { AT_ONCE = 64 };
+    int32_t found = 0;
+    for (int32_t i = 0; i < n; i += AT_ONCE) {
+        const uint32_t low = (uint32_t) _mm256_movemask_epi8(load_eight(v->wait + i));
+        const uint32_t high = (uint32_t) _mm256_movemask_epi8(load_eight(v->wait + i + 32));
+        for (uint64_t all = low | (uint64_t) high << 32; all != 0; all &= all - 1)
+            left[found++] = i + __builtin_ctzll(all);
     }
-    return wait;
+    return found;
 }
 
 static int32_t count_exact(ntp__exact_block *out, ntp__close_counts *counts, const uint16_t *src,
@@ -332,26 +368,27 @@ static int32_t count_exact(ntp__exact_block *out, ntp__close_counts *counts, con
 {
     enum { BLOCK = 256 };
     exact_texels v;
-    int32_t left = 0;
     n = n < BLOCK ? n & -EXACT_STEP : BLOCK;
-    v.near_ones = v.few_ones = v.steep = 0;
+    v.near_ones = v.steep = 0;
+    if (n < BLOCK)
+        memset(v.wait, 0, sizeof v.wait);
     survey_exact(&out->survey, &v, src, n);
     for (int32_t i = 0; i < n; i += EXACT_STEP) {
         prefetch_exact(src + 3 * (n + i));
-        for (uint32_t others = place_exact(&v, i); others != 0; others &= others - 1)
-            out->left[left++] = i + __builtin_ctz(others) / 2;
+        place_exact(&v, i);
     }
-    gather_few(&v);
-    out->far = 0;
+    out->far = v.steep;
+    memset(v.steep_s + v.steep, 0, EXACT_STEP * sizeof v.steep_s[0]);
+    memset(v.steep_z + v.steep, 0, EXACT_STEP * sizeof v.steep_z[0]);
     count_at(counts->exact, v.at, v.near_ones);
     if (v.steep > 0) {
         far_sums s;
-        left = place_far(&s, &v, out->left, left);
+        place_far(&s, &v);
         count_at(counts->exact, v.far, v.steep);
         count_at(counts->exact_off, v.off, v.steep);
         end_far(out, &s);
     }
-    out->texels = n - left;
+    out->texels = n - list_waiting(out->left, &v, n);
     return n;
 }
 #else
