@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * rgb_avx2.c - packed RGB to planes and back, flips and turns of it, with AVX2
+ * rgb_avx2.c - packed RGB to planes and back, and turns of it, with AVX2
  *
  * Shuffles of bytes do in one step of eight texels what other processors do texel by texel in
  * view.c.  Planes are written and read in whole steps, for which a block has room.  At the end of a
@@ -227,122 +227,6 @@ bool ntp__place_rgb_avx2(void *to, bool *negative, const void *src, int32_t n, b
              : _mm256_or_si256(_mm256_cmpeq_epi8(p.least, zero), _mm256_cmpeq_epi8(p.most, ones));
     *negative = !zzero && (~(uint32_t) _mm256_movemask_epi8(p.least) & blue) != 0;
     return ((uint32_t) _mm256_movemask_epi8(ends) & red) == 0;
-}
-
-/* 32 bytes of src with green flipped.  Loaded a sample earlier and later, red and blue lie where
- * green is. */
-static inline __m256i flipped(const uint8_t *s, __m256i green, bool deep, __m256i black,
-                              __m256i white)
-{
-    const ptrdiff_t size = deep ? 2 : 1;
-    const __m256i r = _mm256_loadu_si256((const void *) (s - size));
-    const __m256i g = _mm256_loadu_si256((const void *) s);
-    const __m256i b = _mm256_loadu_si256((const void *) (s + size));
-    const __m256i none = _mm256_or_si256(_mm256_or_si256(r, g), b), zero = _mm256_setzero_si256();
-    const __m256i all = _mm256_and_si256(_mm256_and_si256(r, g), b), ones = _mm256_set1_epi8(-1);
-    const __m256i is_none = deep ? _mm256_cmpeq_epi16(none, zero) : _mm256_cmpeq_epi8(none, zero);
-    const __m256i is_all = deep ? _mm256_cmpeq_epi16(all, ones) : _mm256_cmpeq_epi8(all, ones);
-    const __m256i kept =
-        _mm256_or_si256(_mm256_and_si256(is_none, black), _mm256_and_si256(is_all, white));
-    return _mm256_xor_si256(g, _mm256_andnot_si256(kept, green));
-}
-
-enum {
-    FLIP = 96 /* bytes: whole texels, and whole vectors */,
-    VECTOR = 32,
-    VECTORS = FLIP / VECTOR,
-    CAREFUL = 16 /* parts: where one black or white texel may be, more are near */
-};
-
-static inline void flip_part(uint8_t *d, const uint8_t *s, const __m256i *green, bool deep,
-                             __m256i black, __m256i white)
-{
-    __m256i out[VECTORS];
-    for (int32_t k = 0; k < VECTORS; k++)
-        out[k] = flipped(s + VECTOR * k, green[k], deep, black, white);
-    for (int32_t k = 0; k < VECTORS; k++)
-        _mm256_storeu_si256((void *) (d + VECTOR * k), out[k]);
-}
-
-/* Where green lies in pixels of 8 and of 16 bit. */
-static const uint8_t GREENS[2][VECTOR + 4] = {
-    { 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0,
-      0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0, 0, 255, 0 },
-    { 0, 0, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0,
-      0, 0, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0, 0, 0, 255, 255, 0, 0 }
-};
-
-static inline __m256i load_at(const uint8_t *s, int32_t k)
-{
-    return _mm256_loadu_si256((const void *) (s + VECTOR * k));
-}
-
-/* The greens of three vectors lie in places that differ, so one vector holds them all.  So do their blues,
- * each a sample farther on, or at the begin of the next vector. */
-static inline __m256i joined(const __m256i v[VECTORS], __m256i second, __m256i third)
-{
-    return _mm256_blendv_epi8(_mm256_blendv_epi8(v[0], v[1], second), v[2], third);
-}
-
-static inline __m256i next_samples(__m256i v, bool deep)
-{
-    const __m256i other = _mm256_permute2x128_si256(v, v, 1);
-    return deep ? _mm256_alignr_epi8(other, v, 2) : _mm256_alignr_epi8(other, v, 1);
-}
-
-/* A part where no green is 0 or M and equal to its blue, so that no texel is black or white, is flipped
- * without more.  False, with nothing written, for others. */
-static inline bool flip_plain(uint8_t *d, const uint8_t *s, const __m256i *green, bool deep)
-{
-    const __m256i v[VECTORS] = { load_at(s, 0), load_at(s, 1), load_at(s, 2) };
-    const __m256i g = joined(v, green[1], green[2]);
-    const __m256i b =
-        next_samples(deep ? joined(v, green[0], green[1]) : joined(v, green[2], green[0]), deep);
-    const __m256i one = deep ? _mm256_set1_epi16(1) : _mm256_set1_epi8(1);
-    const __m256i above = deep ? _mm256_add_epi16(g, one) : _mm256_add_epi8(g, one);
-    const __m256i end = deep ? _mm256_cmpeq_epi16(_mm256_min_epu16(above, one), above)
-                             : _mm256_cmpeq_epi8(_mm256_min_epu8(above, one), above);
-    if (!_mm256_testz_si256(end, deep ? _mm256_cmpeq_epi16(g, b) : _mm256_cmpeq_epi8(g, b)))
-        return false;
-    for (int32_t k = 0; k < VECTORS; k++)
-        _mm256_storeu_si256((void *) (d + VECTOR * k), _mm256_xor_si256(v[k], green[k]));
-    return true;
-}
-
-/* The first and the last part are done in a copy, as they have no neighbors; the first only where it is not
- * plain. */
-static inline void flip(uint8_t *d, const uint8_t *s, int32_t bytes, bool deep, __m256i black,
-                        __m256i white)
-{
-    uint8_t around[VECTOR + FLIP + VECTOR] = { 0 }, *const few = around + VECTOR;
-    const uint8_t *const pattern = GREENS[deep];
-    /* A vector is two samples more than whole texels, or one. */
-    const __m256i green[VECTORS] = { load_at(pattern, 0), load_at(pattern + 2, 0),
-                                     load_at(pattern + (deep ? 4 : 1), 0) };
-    for (int32_t i = 0; i < bytes;) {
-        while (i + FLIP <= bytes && flip_plain(d + i, s + i, green, deep))
-            i += FLIP;
-        for (int32_t parts = 0; parts < CAREFUL && i < bytes; parts++, i += FLIP) {
-            const bool inside = i > 0 && i + FLIP < bytes;
-            const size_t left = (size_t) (bytes - i < FLIP ? bytes - i : FLIP);
-            if (!inside)
-                copy(few, s + i, left);
-            flip_part(inside ? d + i : few, inside ? s + i : few, green, deep, black, white);
-            if (!inside)
-                copy(d + i, few, left);
-        }
-    }
-}
-
-void ntp__flip_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool keep_black,
-                        bool keep_white)
-{
-    const __m256i black = _mm256_set1_epi8(keep_black ? -1 : 0);
-    const __m256i white = _mm256_set1_epi8(keep_white ? -1 : 0);
-    if (deep)
-        flip(dst, src, 6 * n, true, black, white);
-    else
-        flip(dst, src, 3 * n, false, black, white);
 }
 
 /* How red and green change. */

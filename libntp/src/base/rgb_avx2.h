@@ -27,6 +27,16 @@ bool ntp__place_rgb_avx2(void *to, bool *negative, const void *src, int32_t n, b
 void ntp__turn_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool swap, bool invert_r,
                         bool invert_g);
 
+/* The same without an exchange, faster where few pixels are black or white; and of pixels with alpha, of which
+ * those of alpha 0 stay, too. */
+void ntp__mirror_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool invert_r,
+                          bool invert_g);
+void ntp__mirror_rgba_avx2(void *dst, const void *src, int32_t n, bool deep, bool invert_r,
+                           bool invert_g);
+
+/* Pixels of 3, 4, 6 or 8 bytes in the other order; up to 15 bytes after those of dst change. */
+void ntp__reverse_avx2(void *dst, const void *src, int32_t n, int32_t size);
+
 /*
  * Columns of packed pixels become rows, with red and green exchanged, and then M - r and M - g if
  * inverted; black and white pixels stay.  There are at least 8 rows and 8 columns in src.  `step`

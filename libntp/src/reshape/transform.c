@@ -8,6 +8,7 @@
  * makes (n x, n y, 2^k z), whose direction is rounded once.
  */
 #include "base/cpu.h"
+#include "base/inlining.h"
 #include "base/rgb_avx2.h"
 #include "reshape/mix_avx2.h"
 #include "reshape/rotate.h"
@@ -20,6 +21,7 @@
 #endif
 
 enum {
+    LINE = 64,     /* bytes that come from memory together */
     AHEAD = 8,     /* rows of the source that are asked for before they are needed */
     COLUMNS = 128, /* of the result at a time, where these are rows of the source */
     WIDE = 8,      /* bytes that are copied of texels with as many or less, */
@@ -40,6 +42,11 @@ typedef struct job {
     ntp__strength strength;
     int32_t m;
 } job;
+
+static ptrdiff_t texel_size(const job *j)
+{
+    return (ptrdiff_t) j->src.channels * ntp__sample_size(j->src.type);
+}
 
 static void flip_columns(ntp_const_image *v)
 {
@@ -74,7 +81,7 @@ static void turn_vectors(job *j, ntp_y y)
     j->mirror_g = y == NTP_Y_DOWN ? r : !r;
 }
 
-static void move(job *j, const ntp_transform_options *how, int32_t quarter_turns)
+SELDOM static void move(job *j, const ntp_transform_options *how, int32_t quarter_turns)
 {
     if (how->flip_x) {
         flip_columns(&j->src);
@@ -97,7 +104,7 @@ static void move(job *j, const ntp_transform_options *how, int32_t quarter_turns
 }
 
 /* Makes a used texel stronger, exactly, and turns its vector; its alpha stays. */
-static void strengthen_texel(const job *j, ntp__block *block, int32_t i)
+SELDOM static void strengthen_texel(const job *j, ntp__block *block, int32_t i)
 {
     int32_t c[3] = { 0, 0, block->c[2][i] }, v[3];
     ntp__i128 scaled[3];
@@ -176,7 +183,7 @@ static void turn_block(const job *j, ntp__block *block, int32_t n)
 }
 
 /* Floats that are only moved and mirrored keep all their bits. */
-static void move_floats(const job *j, const ntp__block *block, int32_t x, int32_t y, int32_t n)
+SELDOM static void move_floats(const job *j, const ntp__block *block, int32_t x, int32_t y, int32_t n)
 {
     bool vector = j->src.encoding == NTP_ENCODING_VECTOR;
     size_t bytes = (size_t) j->src.channels * sizeof(float);
@@ -196,7 +203,7 @@ static void move_floats(const job *j, const ntp__block *block, int32_t x, int32_
     }
 }
 
-static void keep_unused_floats(const job *j, const ntp__block *block, int32_t x, int32_t y,
+SELDOM static void keep_unused_floats(const job *j, const ntp__block *block, int32_t x, int32_t y,
                                int32_t n)
 {
     const char *s = ntp__at(&j->src, x, y);
@@ -212,29 +219,34 @@ static void keep_unused_floats(const job *j, const ntp__block *block, int32_t x,
 }
 
 #ifdef NTP_HAVE_AVX2
-/* Are levels only moved and turned, to packed RGB, with AVX2? */
-static bool is_plain_rgb(const job *j)
+/* Are levels only moved and turned, to packed RGB or RGBA, with AVX2? */
+static bool is_plain(const job *j)
 {
-    return !j->stronger && j->src.channels == 3 && j->src.type != NTP_TYPE_F32 &&
-           j->src.encoding != NTP_ENCODING_XY &&
-           j->dst->pixel_stride == 3 * ntp__sample_size(j->src.type) &&
+    return !j->stronger && j->src.channels >= 3 && j->src.type != NTP_TYPE_F32 &&
+           j->src.encoding != NTP_ENCODING_XY && j->dst->pixel_stride == texel_size(j) &&
            ntp__cpu_has_avx2(NTP__CPU_ALL);
 }
 #endif
 
-/* With AVX2: packed RGB that is only turned; false: there is another way only. */
+/* With AVX2: packed RGB or RGBA that is only turned; false: there is another way only. */
 static bool turn_packed(const job *j, int32_t x, int32_t y, int32_t n)
 {
 #ifdef NTP_HAVE_AVX2
-    if (is_plain_rgb(j) && ntp__is_packed(&j->src)) {
-        ntp__turn_rgb_avx2(ntp__at_mut(j->dst, x, y), ntp__at(&j->src, x, y), n,
-                           j->src.type == NTP_TYPE_U16, j->swap, j->mirror_r, j->mirror_g);
-        return true;
-    }
+    const bool deep = j->src.type == NTP_TYPE_U16, alpha = j->src.channels == 4;
+    const void *const s = ntp__at(&j->src, x, y);
+    void *const d = ntp__at_mut(j->dst, x, y);
+    if (!is_plain(j) || !ntp__is_packed(&j->src) || (alpha && j->swap))
+        return false;
+    if (j->swap)
+        ntp__turn_rgb_avx2(d, s, n, deep, true, j->mirror_r, j->mirror_g);
+    else
+        (alpha ? ntp__mirror_rgba_avx2 : ntp__mirror_rgb_avx2)(d, s, n, deep, j->mirror_r,
+                                                               j->mirror_g);
+    return true;
 #else
     (void) j, (void) x, (void) y, (void) n;
-#endif
     return false;
+#endif
 }
 
 #ifdef NTP_HAVE_AVX2
@@ -268,10 +280,45 @@ static bool strengthen_packed(const job *j, int32_t x0, int32_t x1, int32_t y)
     return false;
 }
 
+static void transform_run(const job *j, int32_t x, int32_t y, int32_t n);
+
+/* The same from texels that lie packed elsewhere. */
+static void transform_moved(const job *j, const void *texels, int32_t x, int32_t y, int32_t n)
+{
+    job moved = *j;
+    ntp_image row = *j->dst;
+    row.ring_rows = moved.src.ring_rows = 0;
+    row.data = ntp__at_mut(j->dst, x, y);
+    moved.dst = &row;
+    moved.src.data = texels;
+    moved.src.pixel_stride = texel_size(j);
+    transform_run(&moved, 0, 0, n);
+}
+
+/* With AVX2: a run that lies packed in the other order. */
+static bool transform_reversed(const job *j, int32_t x, int32_t y, int32_t n)
+{
+#ifdef NTP_HAVE_AVX2
+    enum { LEAST_BYTES = 3, AFTER = 16 };
+    const ptrdiff_t size = texel_size(j);
+    uint32_t texels[(NTP__BLOCK * WIDE + AFTER) / 4];
+    if (j->src.pixel_stride == -size && size >= LEAST_BYTES && size <= WIDE &&
+        ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        ntp__reverse_avx2(texels, ntp__at(&j->src, x + n - 1, y), n, (int32_t) size);
+        transform_moved(j, texels, x, y, n);
+        return true;
+    }
+#else
+    (void) j, (void) x, (void) y, (void) n;
+#endif
+    return false;
+}
+
 static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     ntp__block block;
-    if (turn_packed(j, x, y, n) || strengthen_packed(j, x, x + n, y))
+    if (transform_reversed(j, x, y, n) || turn_packed(j, x, y, n) ||
+        strengthen_packed(j, x, x + n, y))
         return;
     ntp__unpack(&block, &j->src, x, y, n);
     bool floats = j->src.type == NTP_TYPE_F32;
@@ -300,7 +347,7 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
 static void turn_texels(char *tile, ptrdiff_t pitch, const ntp_const_image *src,
                         const ntp_rect *part, size_t size)
 {
-    enum { LINE = 64, EDGE = (WIDE - 1) / LEAST };
+    enum { EDGE = (WIDE - 1) / LEAST };
     const ptrdiff_t step = src->row_stride;
     const int32_t height = part->y1 - part->y0;
     /* Texels that lie apart are not asked for. */
@@ -328,7 +375,7 @@ static void turn_texels(char *tile, ptrdiff_t pitch, const ntp_const_image *src,
  * apart, so no processor sees in time that it has not to read what they overwrite. */
 static void put_row(char *d, const char *s, size_t n, bool large)
 {
-    enum { LINE = 64, LANE = 16 };
+    enum { LANE = 16 };
     const size_t before = (size_t) (-(uintptr_t) d % LINE);
     size_t i = large && before < n ? before : n;
     memcpy(d, s, i);
@@ -348,7 +395,8 @@ static bool turn_tile_packed(const job *j, const ntp_rect *part, char *tile, ptr
     enum { CELL = 8 };
     const int32_t width = part->x1 - part->x0, height = part->y1 - part->y0;
     const ptrdiff_t size = 3 * ntp__sample_size(j->src.type), step = j->src.row_stride;
-    if (!is_plain_rgb(j) || (step != size && step != -size) || width < CELL || height < CELL)
+    if (!is_plain(j) || j->src.channels != 3 || (step != size && step != -size) || width < CELL ||
+        height < CELL)
         return false;
     /* Where texels come from right to left, rows of the result are made from below. */
     const bool back = step < 0;
@@ -373,27 +421,18 @@ static void transform_tile(const job *j, const ntp_rect *part)
     uint32_t tile[TILE_BYTES / 4];
     char *bytes = (char *) tile;
     const int32_t width = part->x1 - part->x0;
-    const ptrdiff_t size = j->src.channels * ntp__sample_size(j->src.type);
-    const ptrdiff_t pitch = size * width + BEYOND;
+    const ptrdiff_t size = texel_size(j), pitch = size * width + BEYOND;
     if (turn_tile_packed(j, part, bytes, pitch))
         return;
     turn_texels(bytes, pitch, &j->src, part, (size_t) size);
-    job turned = *j;
-    ntp_image row = *j->dst;
-    row.ring_rows = 0;
-    turned.dst = &row;
-    turned.src.pixel_stride = size;
-    for (int32_t y = part->y0; y < part->y1; y++, bytes += pitch) {
-        row.data = ntp__at_mut(j->dst, part->x0, y);
-        turned.src.data = bytes;
-        transform_run(&turned, 0, 0, width);
-    }
+    for (int32_t y = part->y0; y < part->y1; y++, bytes += pitch)
+        transform_moved(j, bytes, part->x0, y, width);
 }
 
 /* In the order of the columns of the source: what a processor reads ahead of a row is soon of use. */
 static void transform_tiles(const job *j, const ntp_rect *rect)
 {
-    const ptrdiff_t size = j->src.channels * ntp__sample_size(j->src.type);
+    const ptrdiff_t size = texel_size(j);
     const int32_t rows = (int32_t) (TILE_BYTES / (COLUMNS * size + BEYOND));
     for (int32_t done = 0, height = rect->y1 - rect->y0; done < height; done += rows) {
         const int32_t n = height - done < rows ? height - done : rows;
@@ -465,8 +504,16 @@ ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
     for (int32_t y = rect.y0; y < rect.y1; y++) {
         if (strengthen_packed(&j, rect.x0, rect.x1, y))
             continue;
-        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK)
-            transform_run(&j, x, y, rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK);
+        for (int32_t x = rect.x0; x < rect.x1; x += NTP__BLOCK) {
+            const int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
+            /* Rows or texels in the other order are nothing that processors foresee. */
+            const ptrdiff_t step = j.src.pixel_stride, bytes = (step < 0 ? -step : step) * n;
+            const char *const next =
+                (const char *) ntp__at(&j.src, step < 0 ? x + n - 1 : x, y) + j.src.row_stride;
+            for (ptrdiff_t k = 0; k < bytes; k += LINE)
+                FETCH(next + k);
+            transform_run(&j, x, y, n);
+        }
     }
     return NTP_OK;
 }
