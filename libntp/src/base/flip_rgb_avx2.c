@@ -222,14 +222,11 @@ void ntp__reverse_avx2(void *dst, const void *src, int32_t n, int32_t size)
     };
     const __m128i order = _mm_loadu_si128((const void *) ORDERS[size / 2 - 1]);
     const int32_t step = LANE / size * size;
-    const uint8_t *const s = src;
+    const uint8_t *s = (const uint8_t *) src + (size * n - LANE);
     uint8_t *d = dst, few[LANE] = { 0 };
-    for (int32_t left = size * n; left > 0; left -= step, d += step) {
-        const uint8_t *from = s + left - LANE;
-        if (left < LANE) {
-            copy(few + LANE - left, s, (size_t) left);
-            from = few;
-        }
-        _mm_storeu_si128((void *) d, _mm_shuffle_epi8(_mm_loadu_si128((const void *) from), order));
-    }
+    int32_t left = size * n;
+    for (; left >= LANE; left -= step, s -= step, d += step)
+        _mm_storeu_si128((void *) d, _mm_shuffle_epi8(_mm_loadu_si128((const void *) s), order));
+    copy(few + LANE - left, src, (size_t) left);
+    _mm_storeu_si128((void *) d, _mm_shuffle_epi8(_mm_loadu_si128((const void *) few), order));
 }

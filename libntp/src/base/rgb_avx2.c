@@ -276,15 +276,16 @@ static inline void put_words(uint8_t *d, __m256i v, bool deep)
 static inline void turn(uint8_t *d, const uint8_t *s, int32_t bytes, const turning *t, bool deep)
 {
     enum { BYTES = 2 * HELD, BEYOND = LANE - HELD };
-    int32_t i = 0;
-    for (; i + BYTES + BEYOND <= bytes; i += BYTES)
-        put_words(d + i, turned_words(s + i, s + i + HELD, t->first, t, deep), deep);
-    for (; i < bytes; i += BYTES) {
-        uint8_t few[BYTES + BEYOND] = { 0 };
+    uint8_t few[BYTES + BEYOND] = { 0 };
+    for (int32_t i = 0; i < bytes; i += BYTES) {
+        const bool whole = i + BYTES + BEYOND <= bytes;
         const size_t left = (size_t) (bytes - i < BYTES ? bytes - i : BYTES);
-        copy(few, s + i, left);
-        put_words(few, turned_words(few, few + HELD, t->first, t, deep), deep);
-        copy(d + i, few, left);
+        const uint8_t *const from = whole ? s + i : few;
+        if (!whole)
+            copy(few, s + i, left);
+        put_words(whole ? d + i : few, turned_words(from, from + HELD, t->first, t, deep), deep);
+        if (!whole)
+            copy(d + i, few, left);
     }
 }
 

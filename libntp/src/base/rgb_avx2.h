@@ -34,7 +34,7 @@ void ntp__mirror_rgb_avx2(void *dst, const void *src, int32_t n, bool deep, bool
 void ntp__mirror_rgba_avx2(void *dst, const void *src, int32_t n, bool deep, bool invert_r,
                            bool invert_g);
 
-/* Pixels of 3, 4, 6 or 8 bytes in the other order; up to 15 bytes after those of dst change. */
+/* Pixels of 3, 4, 6 or 8 bytes in the other order; 16 bytes after those of dst change. */
 void ntp__reverse_avx2(void *dst, const void *src, int32_t n, int32_t size);
 
 /*

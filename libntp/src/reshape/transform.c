@@ -183,7 +183,8 @@ static void turn_block(const job *j, ntp__block *block, int32_t n)
 }
 
 /* Floats that are only moved and mirrored keep all their bits. */
-SELDOM static void move_floats(const job *j, const ntp__block *block, int32_t x, int32_t y, int32_t n)
+SELDOM static void move_floats(const job *j, const ntp__block *block, int32_t x, int32_t y,
+                               int32_t n)
 {
     bool vector = j->src.encoding == NTP_ENCODING_VECTOR;
     size_t bytes = (size_t) j->src.channels * sizeof(float);
@@ -204,7 +205,7 @@ SELDOM static void move_floats(const job *j, const ntp__block *block, int32_t x,
 }
 
 SELDOM static void keep_unused_floats(const job *j, const ntp__block *block, int32_t x, int32_t y,
-                               int32_t n)
+                                      int32_t n)
 {
     const char *s = ntp__at(&j->src, x, y);
     char *d = ntp__at_mut(j->dst, x, y);
