@@ -11,15 +11,18 @@
  * say), or vectors, which have to stay in registers; also where the compiler saves code.
  * ONE_COPY: a loop of its own, which gains nothing from a copy for each caller, or for constants.
  * SELDOM: what few textures have, or few texels: one copy, and small.
- * UNROLLED: before a loop of a few steps over registers, also where the compiler saves code. */
+ * UNROLLED: before a loop of a few steps over registers, also where the compiler saves code.
+ * FETCH: asks for memory.  (In a function of its own, compilers take it for something without effect.) */
 #ifdef __GNUC__
-#  define ALWAYS_INLINE inline __attribute__((always_inline))
-#  define SELDOM        __attribute__((noinline, cold))
-#  define UNROLLED      _Pragma("GCC unroll 8")
+#  define ALWAYS_INLINE  inline __attribute__((always_inline))
+#  define SELDOM         __attribute__((noinline, cold))
+#  define UNROLLED       _Pragma("GCC unroll 8")
+#  define FETCH(address) __builtin_prefetch(address)
 #else
 #  define ALWAYS_INLINE inline
 #  define SELDOM
 #  define UNROLLED
+#  define FETCH(address) ((void) (address))
 #endif
 
 #if defined(__clang__)

@@ -4,8 +4,7 @@
  *
  * A turned or flipped picture is the same memory with other strides, so the source is read through
  * such a view.  Then red and green are swapped or mirrored, which is exact.  (Turns by other angles
- * are in rotate.c.)  A strength S = n / 2^k
- * makes (n x, n y, 2^k z), whose direction is rounded once.
+ * are in rotate.c.)  A strength S = n / 2^k makes (n x, n y, 2^k z), whose direction is rounded once.
  */
 #include "base/cpu.h"
 #include "base/inlining.h"
@@ -227,12 +226,10 @@ static bool is_plain(const job *j)
            j->src.encoding != NTP_ENCODING_XY && j->dst->pixel_stride == texel_size(j) &&
            ntp__cpu_has_avx2(NTP__CPU_ALL);
 }
-#endif
 
-/* With AVX2: packed RGB or RGBA that is only turned; false: there is another way only. */
+/* Packed RGB or RGBA that is only turned; false: there is another way only. */
 static bool turn_packed(const job *j, int32_t x, int32_t y, int32_t n)
 {
-#ifdef NTP_HAVE_AVX2
     const bool deep = j->src.type == NTP_TYPE_U16, alpha = j->src.channels == 4;
     const void *const s = ntp__at(&j->src, x, y);
     void *const d = ntp__at_mut(j->dst, x, y);
@@ -244,24 +241,17 @@ static bool turn_packed(const job *j, int32_t x, int32_t y, int32_t n)
         (alpha ? ntp__mirror_rgba_avx2 : ntp__mirror_rgb_avx2)(d, s, n, deep, j->mirror_r,
                                                                j->mirror_g);
     return true;
-#else
-    (void) j, (void) x, (void) y, (void) n;
-    return false;
-#endif
 }
 
-#ifdef NTP_HAVE_AVX2
 static void strengthen_left(const void *job_, ntp__block *block, ntp__block *detail, int32_t n)
 {
     (void) detail;
     strengthen(job_, block, n);
 }
-#endif
 
 /* The same of packed RGB that is made stronger, up to column x1. */
 static bool strengthen_packed(const job *j, int32_t x0, int32_t x1, int32_t y)
 {
-#ifdef NTP_HAVE_AVX2
     const ntp__mixing how = { .dst = j->dst,
                               .base = &j->src,
                               .strength = ntp__strength_value(&j->strength),
@@ -275,15 +265,16 @@ static bool strengthen_packed(const job *j, int32_t x0, int32_t x1, int32_t y)
         ntp__mix_row_avx2(&how, x0, x1, y);
         return true;
     }
-#else
-    (void) j, (void) x0, (void) x1, (void) y;
-#endif
     return false;
 }
+#else
+#  define turn_packed(j, x, y, n)         false
+#  define strengthen_packed(j, x0, x1, y) false
+#endif
 
 static void transform_run(const job *j, int32_t x, int32_t y, int32_t n);
 
-/* The same from texels that lie packed elsewhere. */
+/* Transforms a run from texels that lie packed elsewhere. */
 static void transform_moved(const job *j, const void *texels, int32_t x, int32_t y, int32_t n)
 {
     job moved = *j;
@@ -296,24 +287,24 @@ static void transform_moved(const job *j, const void *texels, int32_t x, int32_t
     transform_run(&moved, 0, 0, n);
 }
 
-/* With AVX2: a run that lies packed in the other order. */
+#ifdef NTP_HAVE_AVX2
+/* The same of texels that lie packed in the other order; false: there is another way only. */
 static bool transform_reversed(const job *j, int32_t x, int32_t y, int32_t n)
 {
-#ifdef NTP_HAVE_AVX2
-    enum { LEAST_BYTES = 3, AFTER = 16 };
+    enum { AFTER = 16 };
     const ptrdiff_t size = texel_size(j);
     uint32_t texels[(NTP__BLOCK * WIDE + AFTER) / 4];
-    if (j->src.pixel_stride == -size && size >= LEAST_BYTES && size <= WIDE &&
+    if (j->src.pixel_stride == -size && size > LEAST && size <= WIDE &&
         ntp__cpu_has_avx2(NTP__CPU_ALL)) {
         ntp__reverse_avx2(texels, ntp__at(&j->src, x + n - 1, y), n, (int32_t) size);
         transform_moved(j, texels, x, y, n);
         return true;
     }
-#else
-    (void) j, (void) x, (void) y, (void) n;
-#endif
     return false;
 }
+#else
+#  define transform_reversed(j, x, y, n) false
+#endif
 
 static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
@@ -335,13 +326,6 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
     if (floats)
         keep_unused_floats(j, &before, x, y, n);
 }
-
-/* Asks for memory.  (In a function of its own, compilers take it for something without effect.) */
-#ifdef __GNUC__
-#  define FETCH(address) __builtin_prefetch(address)
-#else
-#  define FETCH(address) ((void) (address))
-#endif
 
 /* Copies texels of the turned source side by side, for which its own rows are read one by one.
  * `pitch` bytes lie between rows of the tile. */
@@ -387,12 +371,10 @@ static void put_row(char *d, const char *s, size_t n, bool large)
     if (i < n)
         memcpy(d + i, s + i, n - i);
 }
-#endif
 
-/* With AVX2: a part of packed RGB that is only turned; false: there is another way only. */
+/* A part of packed RGB that is only turned; false: there is another way only. */
 static bool turn_tile_packed(const job *j, const ntp_rect *part, char *tile, ptrdiff_t pitch)
 {
-#ifdef NTP_HAVE_AVX2
     enum { CELL = 8 };
     const int32_t width = part->x1 - part->x0, height = part->y1 - part->y0;
     const ptrdiff_t size = 3 * ntp__sample_size(j->src.type), step = j->src.row_stride;
@@ -410,11 +392,10 @@ static bool turn_tile_packed(const job *j, const ntp_rect *part, char *tile, ptr
         put_row(ntp__at_mut(j->dst, part->x0, y), tile, (size_t) (size * width), large);
     _mm_sfence();
     return true;
-#else
-    (void) j, (void) part, (void) tile, (void) pitch;
-    return false;
-#endif
 }
+#else
+#  define turn_tile_packed(j, part, tile, pitch) false
+#endif
 
 /* A part of the result that is columns of the source. */
 static void transform_tile(const job *j, const ntp_rect *part)
@@ -509,10 +490,9 @@ ntp_status ntp_transform(const ntp_image *dst, const ntp_const_image *src,
             const int32_t n = rect.x1 - x < NTP__BLOCK ? rect.x1 - x : NTP__BLOCK;
             /* Rows or texels in the other order are nothing that processors foresee. */
             const ptrdiff_t step = j.src.pixel_stride, bytes = (step < 0 ? -step : step) * n;
-            const char *const next =
-                (const char *) ntp__at(&j.src, step < 0 ? x + n - 1 : x, y) + j.src.row_stride;
+            const char *const s = ntp__at(&j.src, step < 0 ? x + n - 1 : x, y);
             for (ptrdiff_t k = 0; k < bytes; k += LINE)
-                FETCH(next + k);
+                FETCH(s + j.src.row_stride + k);
             transform_run(&j, x, y, n);
         }
     }
