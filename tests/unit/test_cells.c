@@ -250,35 +250,57 @@ static void check_close_counts(void)
     }
 }
 
-/* Each of n texels is counted, or its place or color is there, in order. */
+/* Each of n texels is counted, or its place or color is there, in order; but grays may be unused. */
 static void check_block(const ntp__close8_block *block, const uint8_t *texels, int32_t n,
                         int32_t channels)
 {
+    const ntp__found8 *const found = &block->found;
     int32_t others = 0, colors = 0, hidden = 0;
+    uint64_t gray = 0, black = 0, white = 0;
     for (int32_t i = 0; i < n; i++) {
         const uint8_t *const p = texels + channels * i;
         const int32_t row = row_of(p[0], p[1]);
+        const bool is_gray = p[0] == p[1] && p[1] == p[2];
         CHECK(is_close(p[0], p[1], p[2]) || !is_exact(p[0], p[1], p[2]));
         if (is_hidden(p, channels, block->visible != 0)) {
             hidden++;
+            continue;
+        }
+        gray += is_gray;
+        if (is_gray && p[0] == 0 && !(found->used & NTP__BLACK8)) {
+            black++;
+        } else if (is_gray && p[0] == 255 && !(found->used & NTP__WHITE8)) {
+            white++;
         } else if (is_close(p[0], p[1], p[2])) {
             close_texels[row][p[2]]++;
         } else if (others < block->others && block->left[others] == i) {
             CHECK(block->row[i] == row);
             others++;
         } else {
-            CHECK(p[0] != p[1] || p[1] != p[2]);
             CHECK(colors < block->colors);
             CHECK(block->color[colors++] == ((uint32_t) row | (uint32_t) p[2] << 16));
         }
     }
     CHECK(others == block->others && colors == block->colors && hidden == block->hidden);
+    CHECK(gray == found->gray && black == found->black && white == found->white);
+}
+
+/* Counts as many texels as the kernel takes, but for the survey. */
+static int32_t count_some(ntp__count_close8_fn *count, ntp__close8_block *block,
+                          const uint8_t *texels, int32_t n, int32_t channels, size_t ahead)
+{
+    block->found.gray = block->found.black = block->found.white = 0;
+    const int32_t done = count(block, close8, texels, n, channels, ahead);
+    CHECK(done <= n && done % NTP__KERNEL_LANES == 0 && (done == n || done >= 128));
+    check_block(block, texels, done, channels);
+    return done;
 }
 
 static void check_close(ntp__count_close8_fn *count, int32_t channels)
 {
     uint8_t texels[256 * 4];
-    ntp__close8_block block = { .others = 0 };
+    ntp__packed_survey survey = { .texels = 0 };
+    ntp__close8_block block = { .found.survey = &survey };
     memset(close8, 0, sizeof close8);
     memset(close_texels, 0, sizeof close_texels);
     for (int32_t pair = 0; pair < 65536; pair++) {
@@ -289,8 +311,9 @@ static void check_close(ntp__count_close8_fn *count, int32_t channels)
                 texels[4 * b + 3] = (uint8_t) ((pair * 13 + b) & (pair % 2 == 0 ? 255 : 1));
         }
         block.visible = pair % 5 != 0;
-        count(&block, close8, texels, 256, channels, 256);
-        check_block(&block, texels, 256, channels);
+        block.found.used = (uint32_t) pair % 7;
+        for (int32_t i = 0; i < 256;)
+            i += count_some(count, &block, texels + channels * i, 256 - i, channels, 256);
     }
     check_close_counts();
 }
@@ -316,11 +339,13 @@ static void put_kind(uint8_t *p, int32_t channels, int32_t kind, uint64_t *seed)
 static void check_sizes(ntp__count_close8_fn *count, int32_t channels, uint64_t *seed)
 {
     enum { TIMES = 100, KINDS = 6 };
-    ntp__close8_block block = { .visible = 1 };
+    ntp__packed_survey survey;
+    ntp__close8_block block = { .visible = 1, .found.survey = &survey };
     memset(close8, 0, sizeof close8);
     memset(close_texels, 0, sizeof close_texels);
     for (int32_t i = 0; i < TIMES * KINDS; i++) {
-        const int32_t n = NTP__KERNEL_LANES * (1 + i % (256 / NTP__KERNEL_LANES)), kind = i % KINDS;
+        const int32_t many = i % 11 == 0 ? NTP__CLOSE8_AT_ONCE : 256, kind = i % KINDS;
+        const int32_t n = many - i * NTP__KERNEL_LANES % 256;
         guarded src = guarded_alloc((size_t) n * (size_t) channels, i & 1);
         uint8_t *const p = src.data;
         for (int32_t k = 0; k < n; k++)
@@ -328,10 +353,12 @@ static void check_sizes(ntp__count_close8_fn *count, int32_t channels, uint64_t 
                      kind == 5 ? (int32_t) (random_bits(seed) % 5) : kind, seed);
         if (channels == 4 && i % 4 == 0)
             p[4 * (random_bits(seed) % (uint32_t) n) + 3] = (uint8_t) (random_bits(seed) % 3);
-        memset(&block.survey, 0, sizeof block.survey);
-        count(&block, close8, p, n, channels, 0);
-        check_block(&block, p, n, channels);
-        check_survey(&block.survey, p, n, channels);
+        block.found.used = i % 3 == 0 ? NTP__BLACK8 | NTP__WHITE8 : 0;
+        for (int32_t at = 0, done; at < n; at += done) {
+            memset(&survey, 0, sizeof survey);
+            done = count_some(count, &block, p + channels * at, n - at, channels, 0);
+            check_survey(&survey, p + channels * at, done, channels);
+        }
         guarded_free(&src);
     }
     check_close_counts();

@@ -133,8 +133,9 @@ static inline int32_t ntp__steepest(int32_t least, int32_t greatest)
 /* Completes row_seen and the cells, and defines their rows.  `most`: no magnitude of a color is greater. */
 void ntp__note_rows(ntp__color_counts *counts, int32_t most);
 
-/* Puts it into the cells if it holds no other ones than n <= 256 packed texels, and row_of is filled.  Many are
- * looked for in all of it, which takes as long as to count tens of thousands. */
+/* Puts it into the cells if it holds no other ones than n packed texels, and row_of is filled.  More than
+ * NTP__FEW_CLOSE are better looked for in all of it, which takes as long as to count tens of thousands. */
+enum { NTP__FEW_CLOSE = 512 };
 void ntp__take_close8_of(ntp__color_counts *counts, const uint8_t *texels, int32_t n,
                          int32_t channels);
 

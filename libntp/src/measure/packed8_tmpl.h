@@ -207,7 +207,8 @@ typedef struct packed_counts {
     ntp__count_close8_fn *close;
     ntp__count8_fn *cells;
     bool counts_only;       /* levels are in the sums of channels already */
-    ntp__close8_block part; /* its survey is not in the tally yet */
+    ntp__close8_block part;
+    ntp__packed_survey survey; /* is not in the tally yet */
     alpha_counts alpha;
 } packed_counts;
 
@@ -220,13 +221,18 @@ static void begin_packed(packed_counts *c, uint32_t touch, bool counts_only)
     c->counts_only = counts_only;
     begin_alpha(&c->alpha, touch);
     c->part.visible = c->alpha.visible;
-    memset(&c->part.survey, 0, sizeof c->part.survey);
+    c->part.found =
+        (ntp__found8) { .used = (touch & NTP_UNUSED_BLACK ? NTP__BLACK8 : 0) |
+                                (touch & NTP_UNUSED_WHITE ? NTP__WHITE8 : 0) |
+                                (touch & NTP_UNUSED_TRANSPARENT ? NTP__CLEAR8 : 0),
+                        .survey = &c->survey };
+    memset(&c->survey, 0, sizeof c->survey);
 }
 
 /* Adds what is in the survey to the tally. */
 static void end_survey(ntp_tally *t, packed_counts *c)
 {
-    ntp__packed_survey *const s = &c->part.survey;
+    ntp__packed_survey *const s = &c->survey;
     ntp__survey8 least, all;
     if (s->texels == 0)
         return;
@@ -253,29 +259,32 @@ static void add_rest(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n
 static void add_alphas(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n,
                        int32_t channels)
 {
-    if (channels == 4 && c->part.survey.translucent)
+    if (channels == 4 && c->survey.translucent)
         count_alphas(t, &c->alpha, p, n);
     else if (channels == 4)
         c->alpha.alphas.count[0][255] += (uint32_t) n;
-    c->part.survey.translucent = 0;
+    c->survey.translucent = 0;
+}
+
+/* Adds what a kernel found among the grays. */
+static void add_grays(ntp_tally *t, ntp__found8 *found)
+{
+    t->gray += found->gray;
+    t->black += found->black;
+    t->white += found->white;
+    t->narrow -= found->black + found->white;
+    found->gray = found->black = found->white = 0;
 }
 
 /* Counts whole groups of these in another way, and returns how many texels that were. */
 static int32_t count_groups(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n,
                             int32_t channels, size_t ahead)
 {
-    ntp__found8 found = { .survey = &c->part.survey };
     if (c->cells == NULL)
         return 0;
-    found.used = (t->touched & NTP_UNUSED_BLACK ? NTP__BLACK8 : 0) |
-                 (t->touched & NTP_UNUSED_WHITE ? NTP__WHITE8 : 0) |
-                 (t->touched & NTP_UNUSED_TRANSPARENT ? NTP__CLEAR8 : 0);
-    const int32_t done = c->cells(&t->cells.at, &found, p, n, channels, ahead);
+    const int32_t done = c->cells(&t->cells.at, &c->part.found, p, n, channels, ahead);
     t->cells.grouped |= done > 0;
-    t->gray += found.gray;
-    t->black += found.black;
-    t->white += found.white;
-    t->narrow -= found.black + found.white;
+    add_grays(t, &c->part.found);
     add_alphas(t, c, p, done, channels);
     return done;
 }
@@ -286,23 +295,27 @@ static int32_t count_groups(ntp_tally *t, packed_counts *c, const uint8_t *p, in
 static int32_t count_close(ntp_tally *t, packed_counts *c, int32_t *next, const uint8_t *p,
                            int32_t n, int32_t channels, size_t ahead)
 {
-    enum { BLOCK = 256, STEP = NTP__KERNEL_LANES, MOST = 256 * BLOCK };
+    enum { BLOCK = 256, STEP = NTP__KERNEL_LANES, AT_ONCE = NTP__CLOSE8_AT_ONCE, MOST = 256 * BLOCK };
     ntp__close8_block *const part = &c->part;
-    int32_t size = n < BLOCK ? n / STEP * STEP : BLOCK;
+    int32_t size = (n < AT_ONCE ? n : AT_ONCE) / STEP * STEP;
     part->others = part->colors = 0;
     *next = n;
     if (c->close == NULL || size == 0)
         return 0;
     if (t->not_close == 0) {
-        c->close(part, t->cells.close, p, size, channels, ahead);
+        size = c->close(part, t->cells.close, p, size, channels, ahead);
         add_alphas(t, c, p, size, channels);
-        const int32_t left = part->others + part->colors, close = size - left - part->hidden;
+        const int32_t left = part->others + part->colors;
+        const int32_t used =
+            size - part->hidden - (int32_t) (part->found.black + part->found.white);
+        const int32_t close = used - left;
+        add_grays(t, &part->found);
         t->cells.grouped |= 4 * left > size;
-        if (2 * left <= size)
+        if (2 * left <= used)
             t->last_not_close = 0;
         else if (t->last_not_close < MOST)
             t->last_not_close = 2 * t->last_not_close + BLOCK;
-        if (2 * close >= size) {
+        if (2 * close >= size || (close > 0 && size > NTP__FEW_CLOSE)) {
             t->cells.has_close = 1;
         } else if (close > 0 && !t->cells.has_close) {
             begin_look_ups(t);
@@ -391,12 +404,8 @@ static void count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *part, 
 {
     t->cells.undefined |= part->others + part->colors > 0; /* only their numbers are known */
     for (int32_t i = 0; i < part->others; i++) {
-        const uint8_t *const q = p + channels * part->left[i];
-        const uint32_t row = part->row[part->left[i]];
-        if ((q[0] == q[1]) & (q[1] == q[2]))
-            t->narrow -= count_odd(t, q, ntp__entry(row, 0), 1);
-        else
-            part->color[part->colors++] = row | (uint32_t) q[2] << 16;
+        const int32_t at = part->left[i];
+        part->color[part->colors++] = part->row[at] | (uint32_t) p[channels * at + 2] << 16;
     }
     for (int32_t i = 0; i < part->colors; i++) {
         const uint32_t row = part->color[i] & 65535, blue = part->color[i] >> 16;
@@ -430,14 +439,12 @@ static void count_packed8(ntp_tally *t, packed_counts *c, const uint8_t *p, int3
     t->narrow += (uint64_t) n;
     while (n > 0) {
         const int32_t done = count_close(t, c, &next, p, n, channels, ahead);
-        const uint64_t grays = t->cells.far_texels;
         count_left(t, &far, &c->part, p, channels);
         if (done > 0)
             t->cells.mostly_far = 0;
         if (done > 0 && t->last_not_close > 0) { /* what follows is likely to be like these */
             begin_look_ups(t);
-            t->cells.mostly_far =
-                are_many(t->cells.far_texels - grays + far_colors(t, &c->part), done);
+            t->cells.mostly_far = are_many(far_colors(t, &c->part), done);
         }
         p += channels * done;
         if (next > 0)

@@ -169,16 +169,38 @@ static ALWAYS_INLINE __m256i twice_of(__m256i words)
     return _mm256_shuffle_epi8(words, _mm256_broadcastsi128_si256(low));
 }
 
+/* How many of sixteen words have all bits set. */
+static ALWAYS_INLINE uint32_t words_set(__m256i words)
+{
+    return (uint32_t) __builtin_popcount((uint32_t) _mm256_movemask_epi8(words)) / 2;
+}
+
+/* Gray ones of a group: they are counted, and those among them that are unused for being black or white.
+ * Returns which these are. */
+static ALWAYS_INLINE __m256i unused_grays(ntp__found8 *found, __m256i gray, __m256i pairs)
+{
+    const __m256i none = _mm256_setzero_si256(), all = _mm256_set1_epi8(-1);
+    __m256i black = none, white = none;
+    if (!(found->used & NTP__BLACK8))
+        black = _mm256_and_si256(gray, _mm256_cmpeq_epi16(pairs, none));
+    if (!(found->used & NTP__WHITE8))
+        white = _mm256_and_si256(gray, _mm256_cmpeq_epi16(pairs, all));
+    found->gray += words_set(gray);
+    found->black += words_set(black);
+    found->white += words_set(white);
+    return _mm256_or_si256(black, white);
+}
+
 /*
  * The rows of 16 texels, and their places among counts of close ones: NTP__CLOSE8_NONE where they are hidden,
- * not close, or gray.  Returns which of them are one of the latter: the caller counts them.  With u = b - 127,
+ * not close, or gray.  Returns which of them are one of the latter and not in found: the caller counts them.  With u = b - 127,
  * close ones have 128 <= b, (u - 4)^2 <= e < (u + 4)^2, or 0 <= u (u + 8) - e + 15 < 16 u.  From u = 4 on
  * that is root - 3 <= u <= root + 4, where 128 + root is the derived blue; below, it is part of that.  u is 0
  * where blue is less than 128, so that it does not hold.  The sum is from -2^14 to 34,000: as unsigned
  * numbers, negative ones are above 2^15 too.
  */
 static ALWAYS_INLINE __m256i are_other(__m256i *rows, __m256i *places, __m256i *hidden,
-                                       const uint8_t *src, const layout8 *l)
+                                       ntp__found8 *found, const uint8_t *src, const layout8 *l)
 {
     enum { MOVED = NTP__ROWS - NTP__FLAT_ROWS - NTP__CLOSE8_ROWS };
     __m256i pairs, blues;
@@ -191,16 +213,20 @@ static ALWAYS_INLINE __m256i are_other(__m256i *rows, __m256i *places, __m256i *
     const __m256i sum =
         _mm256_add_epi16(square, _mm256_sub_epi16(xy, _mm256_set1_epi16(REST_8 - 15)));
     const __m256i below = _mm256_subs_epu16(_mm256_slli_epi16(u, 4), sum);
-    const __m256i other = _mm256_or_si256(_mm256_cmpeq_epi16(below, _mm256_setzero_si256()),
-                                          _mm256_cmpeq_epi16(pairs, twice_of(blue)));
+    __m256i gray = _mm256_cmpeq_epi16(pairs, twice_of(blue));
+    const __m256i other = _mm256_or_si256(_mm256_cmpeq_epi16(below, _mm256_setzero_si256()), gray);
     *hidden = are_hidden(blues, blue, l);
+    __m256i known = *hidden;
+    gray = _mm256_andnot_si256(known, gray);
+    if (_mm256_movemask_epi8(gray) != 0)
+        known = _mm256_or_si256(known, unused_grays(found, gray, pairs));
     *rows = row_words(pairs, k);
     /* of close ones only flat rows have numbers of at least 2^13 */
     const __m256i flat = _mm256_and_si256(_mm256_srli_epi16(*rows, 6), _mm256_set1_epi16(MOVED));
     const __m256i place =
         _mm256_or_si256(_mm256_sub_epi16(*rows, flat), _mm256_slli_epi16(blue, NTP__CLOSE8_SHIFT));
     *places = _mm256_or_si256(place, _mm256_or_si256(other, *hidden));
-    return _mm256_andnot_si256(*hidden, other);
+    return _mm256_andnot_si256(known, other);
 }
 
 /* A bit for each of sixteen words with all bits set. */
@@ -210,28 +236,23 @@ static ALWAYS_INLINE uint32_t lanes_of_words(__m256i words)
     return (uint32_t) _mm_movemask_epi8(_mm_packs_epi16(low, high));
 }
 
-/* How many of sixteen words have all bits set. */
-static ALWAYS_INLINE uint32_t words_set(__m256i words)
-{
-    return (uint32_t) __builtin_popcount((uint32_t) _mm256_movemask_epi8(words)) / 2;
-}
-
 /* Whether any texel of a group is left is as good as random: so it is asked once for all of them. */
-void ntp__count_close8_avx2(ntp__close8_block *out, ntp__close8_counts close, const uint8_t *src,
-                            int32_t n, int32_t channels, size_t ahead)
+int32_t ntp__count_close8_avx2(ntp__close8_block *out, ntp__close8_counts close, const uint8_t *src,
+                               int32_t most, int32_t channels, size_t ahead)
 {
     enum { COPIES = NTP__CLOSE8_COPIES };
+    const int32_t n = most < 256 ? most : 256;
     uint16_t at[256], left[256 / GROUP];
     const layout8 layout = layout8_of(channels, out->visible != 0);
     __m256i first = _mm256_setzero_si256(), unlike = first;
     uint32_t any = 0;
     int32_t others = 0;
     out->hidden = 0;
-    add_groups(&out->survey, src, n, channels);
+    add_groups(out->found.survey, src, n, channels);
     for (int32_t i = 0; i + GROUP <= n; i += GROUP, src += channels * GROUP) {
         __m256i rows, places, hidden;
         _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
-        const __m256i other = are_other(&rows, &places, &hidden, src, &layout);
+        const __m256i other = are_other(&rows, &places, &hidden, &out->found, src, &layout);
         out->hidden += (int32_t) words_set(hidden);
         _mm256_storeu_si256((__m256i *) (void *) (out->row + i), rows);
         _mm256_storeu_si256((__m256i *) (void *) (at + i), places);
@@ -253,13 +274,14 @@ void ntp__count_close8_avx2(ntp__close8_block *out, ntp__close8_counts close, co
     if (alike) { /* each of these counts would wait for the one before */
         for (int k = 0; k < COPIES; k++)
             close[at[0]][k] += (uint32_t) n / COPIES;
-        return;
+        return n;
     }
     for (int32_t i = 0; i < n; i += COPIES) {
         UNROLLED
         for (int k = 0; k < COPIES; k++)
             close[at[i + k]][k]++;
     }
+    return n;
 }
 
 enum { STREAMS = 8 /* parts of counts that are waiting */ };
@@ -331,22 +353,6 @@ static ALWAYS_INLINE void cells_of(__m256i at[2], __m256i rows, __m256i blues)
     const __m256i by = _mm256_set1_epi32(1 << 16 | NTP__ROW_CELLS);
     at[0] = _mm256_madd_epi16(_mm256_unpacklo_epi16(rows, blues), by);
     at[1] = _mm256_madd_epi16(_mm256_unpackhi_epi16(rows, blues), by);
-}
-
-/* Gray ones of a group: they are counted, and those among them that are unused for being black or white.
- * Returns which these are. */
-static ALWAYS_INLINE __m256i unused_grays(ntp__found8 *found, __m256i gray, __m256i pairs)
-{
-    const __m256i none = _mm256_setzero_si256(), all = _mm256_set1_epi8(-1);
-    __m256i black = none, white = none;
-    if (!(found->used & NTP__BLACK8))
-        black = _mm256_and_si256(gray, _mm256_cmpeq_epi16(pairs, none));
-    if (!(found->used & NTP__WHITE8))
-        white = _mm256_and_si256(gray, _mm256_cmpeq_epi16(pairs, all));
-    found->gray += words_set(gray);
-    found->black += words_set(black);
-    found->white += words_set(white);
-    return _mm256_or_si256(black, white);
 }
 
 /* Leaves out those that are not to be counted of the last GROUP, whose cells are in the order of cells_of. */

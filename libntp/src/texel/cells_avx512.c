@@ -37,15 +37,6 @@ static inline __m512i half_of(__m512i words, int k)
                                    : _mm512_castsi512_si256(words));
 }
 
-/* The same as bytes. */
-static inline int32_t keep_bytes(uint8_t *at, __m512i places, __mmask32 mask)
-{
-    const __mmask16 these = (__mmask16) mask;
-    const __m512i kept = _mm512_maskz_compress_epi32(these, places);
-    _mm_storeu_si128((void *) at, _mm512_cvtepi32_epi8(kept));
-    return __builtin_popcount(these);
-}
-
 /* Bytes `first` and first + 1 of 32 texels, in two registers of which the second begins at byte `second`. */
 static inline __m512i bytes_of(int32_t channels, int32_t first, int32_t second)
 {
@@ -74,18 +65,6 @@ static inline __m512i plus_bytes(__m512i sums, __m512i bytes)
     return _mm512_add_epi64(sums, _mm512_sad_epu8(bytes, _mm512_setzero_si512()));
 }
 
-/* The sums of all lanes of four bits, each of 16 bits. */
-ONE_COPY static uint64_t flat_counts(__m512i flat)
-{
-    __m512i sums = _mm512_setzero_si512();
-    for (int i = 0; i < NTP__FLAT_ROWS; i++) {
-        const __m512i one = _mm512_and_si512(_mm512_srl_epi16(flat, _mm_cvtsi32_si128(4 * i)),
-                                             _mm512_set1_epi16(15));
-        sums = plus_bytes(_mm512_ror_epi64(sums, 16), one);
-    }
-    return sum_of(_mm512_ror_epi64(sums, 16));
-}
-
 /* Where the bytes of 32 texels are, in two registers. */
 typedef struct layout {
     __m512i from_rg, from_b;
@@ -102,7 +81,7 @@ static ALWAYS_INLINE layout layout_of(int32_t channels)
 
 /* Sums and extremes of texels so far; and the bits of blue and alpha that all have. */
 typedef struct surveyed {
-    __m512i least_rg, least_b, most_rg, most_b, sum_r, sum_g, sum_b, every;
+    __m512i least_rg, least_b, most_rg, most_b, sum_rg, sum_g, sum_b, every;
 } surveyed;
 
 static ALWAYS_INLINE surveyed begin_survey(void)
@@ -129,7 +108,7 @@ static ALWAYS_INLINE taken take(surveyed *s, const uint8_t *src, const layout *l
     s->least_b = _mm512_min_epu8(s->least_b, t.b);
     s->most_rg = _mm512_max_epu8(s->most_rg, t.rg);
     s->most_b = _mm512_max_epu8(s->most_b, t.b);
-    s->sum_r = plus_bytes(s->sum_r, _mm512_and_si512(t.rg, low));
+    s->sum_rg = plus_bytes(s->sum_rg, t.rg);
     s->sum_g = plus_bytes(s->sum_g, _mm512_srli_epi16(t.rg, 8));
     s->sum_b = plus_bytes(s->sum_b, t.b);
     return t;
@@ -144,8 +123,9 @@ ONE_COPY static void end_survey(ntp__packed_survey *to, const surveyed *s, int32
     merge_greatest(to->extremes[1], s->most_rg, s->most_b);
     to->texels += (uint64_t) n;
     to->translucent |= _mm512_cmplt_epu16_mask(s->every, _mm512_set1_epi16((short) 0xff00)) != 0;
-    to->sum[0] += sum_of(s->sum_r);
-    to->sum[1] += sum_of(s->sum_g);
+    const uint64_t greens = sum_of(s->sum_g);
+    to->sum[0] += sum_of(s->sum_rg) - greens;
+    to->sum[1] += greens;
     to->sum[2] += sum_of(s->sum_b);
 }
 
@@ -155,6 +135,20 @@ static ALWAYS_INLINE __mmask32 are_gray(taken t)
     const __m512i twice =
         _mm512_broadcast_i32x4(_mm_setr_epi8(0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 10, 10, 12, 12, 14, 14));
     return _mm512_cmpeq_epi16_mask(t.rg, _mm512_shuffle_epi8(t.b, twice));
+}
+
+/* Counts gray ones, and those among them that are unused for being black or white.  Returns which these are. */
+static ALWAYS_INLINE __mmask32 unused_grays(ntp__found8 *found, taken t, __mmask32 gray)
+{
+    __mmask32 black = 0, white = 0;
+    if (!(found->used & NTP__BLACK8))
+        black = _mm512_mask_testn_epi16_mask(gray, t.rg, t.rg);
+    if (!(found->used & NTP__WHITE8))
+        white = _mm512_mask_cmpeq_epi16_mask(gray, t.rg, _mm512_set1_epi8(-1));
+    found->gray += (uint32_t) __builtin_popcount(gray);
+    found->black += (uint32_t) __builtin_popcount(black);
+    found->white += (uint32_t) __builtin_popcount(white);
+    return black | white;
 }
 
 /* The k of red and green. */
@@ -175,109 +169,36 @@ static ALWAYS_INLINE __m512i rows_of(__m512i rg, __m512i k, __mmask32 in_middle)
                                  _mm512_set1_epi16(FLAT - (127 + 2 * 127)));
 }
 
-void ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close, const uint8_t *src,
-                              int32_t n, int32_t channels, size_t ahead)
+/* Counts of four bits in each lane of 16, as bytes: those of even rows, and those of odd ones. */
+static ALWAYS_INLINE void add_flat(__m512i sums[2], __m512i flat)
 {
-    enum { MOVED = FLAT - NTP__CLOSE8_ROWS, COPIES = NTP__CLOSE8_COPIES };
-    _Alignas(64) uint32_t at[256 + LANES_512];
-    const bool rgb = channels == 3;
-    /* processors fetch what follows */
-    const int32_t second = STEP * channels - 64; /* ends with the texels */
-    const __m512i from_rg = bytes_of(channels, 0, second), from_b = bytes_of(channels, 2, second);
-    const __mmask64 used = rgb ? 0x5555555555555555 : UINT64_MAX;
-    const bool hides = !rgb && out->visible;
-    const __m512i low = _mm512_set1_epi16(255), one = _mm512_set1_epi8(1);
-    const __m512i one_flat =
-        _mm512_set1_epi64(0x1000010000100001); /* by number of row: 16 to its last bits */
-    const __m512i twice =
-        _mm512_broadcast_i32x4(_mm_setr_epi8(0, 0, 2, 2, 4, 4, 6, 6, 8, 8, 10, 10, 12, 12, 14, 14));
-    __m512i least_rg = _mm512_set1_epi8(-1), least_b = least_rg;
-    __m512i most_rg = _mm512_setzero_si512(), most_b = most_rg;
-    __m512i sum_r = most_rg, sum_g = most_rg, sum_b = most_rg;
-    __m512i flat =
-        most_rg; /* counts of four bits, up to 8: one for each flat pair, as flat_counts has it */
-    __m512i unlike = most_rg; /* the first one */
-    __m512i every = least_rg; /* the bits of all */
-    __m512i first = most_rg;
-    int32_t waiting = 0, others = 0, colors = 0, hidden = 0;
-    for (int32_t i = 0; i < n; i += STEP, src += channels * STEP) {
-        _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
-        _mm_prefetch((const char *) src + ahead + 64, _MM_HINT_T0);
-        const __m512i v = _mm512_loadu_si512(src), w = _mm512_loadu_si512(src + second);
-        const __m512i rg = _mm512_permutex2var_epi8(v, from_rg, w);
-        const __m512i blue_alpha = _mm512_maskz_permutex2var_epi8(used, v, from_b, w);
-        const __m512i b = _mm512_and_si512(blue_alpha, low);
-        every = _mm512_and_si512(every, blue_alpha);
-        least_rg = _mm512_min_epu8(least_rg, rg);
-        least_b = _mm512_min_epu8(least_b, b);
-        most_rg = _mm512_max_epu8(most_rg, rg);
-        most_b = _mm512_max_epu8(most_b, b);
-        sum_r = plus_bytes(sum_r, _mm512_and_si512(rg, low));
-        sum_g = plus_bytes(sum_g, _mm512_srli_epi16(rg, 8));
-        sum_b = plus_bytes(sum_b, b);
+    const __m512i low = _mm512_set1_epi8(15);
+    sums[0] = _mm512_add_epi8(sums[0], _mm512_and_si512(flat, low));
+    sums[1] = _mm512_add_epi8(sums[1], _mm512_and_si512(_mm512_srli_epi16(flat, 4), low));
+}
 
-        const __m512i k = _mm512_min_epu8(_mm512_xor_si512(rg, _mm512_set1_epi8(127)),
-                                          _mm512_xor_si512(rg, _mm512_set1_epi8(-128)));
-        const __m512i xy = _mm512_maddubs_epi16(_mm512_add_epi8(k, one), k);
-        const __m512i u = _mm512_subs_epu16(b, _mm512_set1_epi16(127));
-        const __m512i square = _mm512_mullo_epi16(u, _mm512_add_epi16(u, _mm512_set1_epi16(8)));
-        const __m512i sum =
-            _mm512_add_epi16(square, _mm512_sub_epi16(xy, _mm512_set1_epi16(REST_8 - 15)));
-        __mmask32 gray = _mm512_cmpeq_epi16_mask(rg, _mm512_shuffle_epi8(b, twice));
-        __mmask32 other = gray | _mm512_cmple_epu16_mask(_mm512_slli_epi16(u, 4), sum);
+/* Are all of these equal?  n is a multiple of STEP. */
+static ALWAYS_INLINE bool are_equal(const uint32_t *at, int32_t n)
+{
+    if (at[n - 1] != at[0] || at[n / 2] != at[0])
+        return false;
+    __mmask16 others = 0;
+    for (int32_t i = 0; i < n; i += LANES_512)
+        others |= _mm512_cmpneq_epi32_mask(_mm512_loadu_si512(at + i),
+                                           _mm512_set1_epi32((int32_t) at[0]));
+    return others == 0;
+}
 
-        const __m512i p = _mm512_and_si512(k, low), q = _mm512_srli_epi16(k, 8);
-        const __m512i k1 = _mm512_max_epi16(p, q), k2 = _mm512_min_epi16(p, q);
-        const __m512i rectangle =
-            _mm512_mullo_epi16(k1, _mm512_sub_epi16(k1, _mm512_set1_epi16(-1)));
-        const __mmask32 in_middle = _mm512_testn_epi16_mask(k, k);
-        const __m512i row =
-            _mm512_mask_add_epi16(_mm512_add_epi16(_mm512_srli_epi16(rectangle, 1), k2), in_middle,
-                                  _mm512_maddubs_epi16(rg, _mm512_set1_epi16(0x201)),
-                                  _mm512_set1_epi16(FLAT - (127 + 2 * 127)));
-        const __m512i place =
-            _mm512_or_si512(_mm512_mask_sub_epi16(row, in_middle, row, _mm512_set1_epi16(MOVED)),
-                            _mm512_slli_epi16(b, NTP__CLOSE8_SHIFT));
-
-        first = i == 0 ? _mm512_broadcastw_epi16(_mm512_castsi512_si128(place)) : first;
-        unlike = _mm512_ternarylogic_epi64(unlike, place, first, 0xf6); /* | ^ */
-        __mmask32 exact = _mm512_mask_cmpeq_epi16_mask(in_middle, b, low);
-        __mmask32 counted = ~(other | exact);
-        if (hides && _mm512_cmple_epu16_mask(blue_alpha, low) != 0) {
-            const __mmask32 shown = _mm512_cmpgt_epu16_mask(blue_alpha, low);
-            hidden += STEP - __builtin_popcount(shown);
-            gray &= shown;
-            other &= shown;
-            exact &= shown;
-            counted &= shown;
-        }
-        flat = _mm512_mask_add_epi16(flat, exact, flat, _mm512_permutexvar_epi16(row, one_flat));
-
-        const __mmask32 colored = other & ~gray;
-        UNROLLED
-        for (int h = 0; h < 2; h++)
-            waiting += keep(at + waiting, _mm512_slli_epi32(half_of(place, h), 2),
-                            counted >> LANES_512 * h);
-        UNROLLED
-        for (int h = 0; h < 2 && colored != 0; h++) {
-            const __m512i blue = _mm512_slli_epi32(half_of(b, h), 16);
-            colors += keep(out->color + colors, _mm512_or_si512(half_of(row, h), blue),
-                           colored >> LANES_512 * h);
-        }
-        if (gray != 0) {
-            _mm512_storeu_si512(out->row + i, row);
-            for (int h = 0; h < 2; h++)
-                others += keep_bytes(out->left + others, steps_of(1, i + LANES_512 * h),
-                                     gray >> LANES_512 * h);
-        }
-    }
+/* Counts waiting texels, of all these n or some of them. */
+static ALWAYS_INLINE void count_waiting(uint32_t *counts, uint32_t *at, int32_t waiting, int32_t n)
+{
+    enum { COPIES = NTP__CLOSE8_COPIES };
     _mm512_storeu_si512(at + waiting, _mm512_set1_epi32(NTP__CLOSE8_NONE * COPIES));
-    uint32_t *const counts = close[0];
     /* Else each of these counts would wait for the one before. */
-    if (waiting == n && _mm512_test_epi64_mask(unlike, unlike) == 0) {
+    if (waiting == n && are_equal(at, n)) {
         for (int k = 0; k < COPIES; k++)
             counts[at[0] + (uint32_t) k] += (uint32_t) n / COPIES;
-        waiting = 0;
+        return;
     }
     for (int32_t i = 0; i < waiting; i += COPIES) {
         uint64_t two[2];
@@ -287,23 +208,87 @@ void ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close, 
         counts[(uint32_t) two[1] + 2]++;
         counts[(two[1] >> 32) + 3]++;
     }
-    const uint64_t flats = flat_counts(flat);
-    for (uint32_t i = 0; i < NTP__FLAT_ROWS; i++)
-        close[ntp__close8_of(FLAT + i, 255)][0] += (uint32_t) (flats >> 16 * i) & 65535;
-    out->others = others;
+}
+
+int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close,
+                                 const uint8_t *src, int32_t n, int32_t channels, size_t ahead)
+{
+    enum {
+        MOVED = FLAT - NTP__CLOSE8_ROWS,
+        AT_ONCE = 15 * STEP, /* counts of four bits hold no more */
+        MOST = 256 - STEP    /* colors, before a step */
+    };
+    _Alignas(64) uint32_t at[AT_ONCE + LANES_512];
+    const layout at_src = layout_of(channels);
+    const bool hides = channels == 4 && out->visible;
+    const __m512i low = _mm512_set1_epi16(255), one = _mm512_set1_epi8(1);
+    const __m512i one_flat =
+        _mm512_set1_epi64(0x1000010000100001); /* by number of row: 16 to its last bits */
+    surveyed survey = begin_survey();
+    __m512i flats[2] = { _mm512_setzero_si512(), _mm512_setzero_si512() };
+    int32_t i = 0, colors = 0, hidden = 0;
+    while (i < n && colors <= MOST) {
+        const int32_t first = i, end = n - i < AT_ONCE ? n : i + AT_ONCE;
+        int32_t waiting = 0;
+        __m512i flat = _mm512_setzero_si512(); /* one count for each flat pair */
+        for (; i < end && colors <= MOST; i += STEP, src += channels * STEP) {
+            /* processors fetch what follows */
+            _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
+            _mm_prefetch((const char *) src + ahead + 64, _MM_HINT_T0);
+            const taken t = take(&survey, src, &at_src);
+            const __m512i k = k_of(t.rg);
+            const __m512i xy = _mm512_maddubs_epi16(_mm512_add_epi8(k, one), k);
+            const __m512i u = _mm512_subs_epu16(t.b, _mm512_set1_epi16(127));
+            const __m512i square = _mm512_mullo_epi16(u, _mm512_add_epi16(u, _mm512_set1_epi16(8)));
+            const __m512i sum =
+                _mm512_add_epi16(square, _mm512_sub_epi16(xy, _mm512_set1_epi16(REST_8 - 15)));
+            const __mmask32 in_middle = _mm512_testn_epi16_mask(k, k);
+            const __m512i row = rows_of(t.rg, k, in_middle);
+            const __m512i place =
+                _mm512_or_si512(_mm512_mask_sub_epi16(row, in_middle, row, _mm512_set1_epi16(MOVED)),
+                                _mm512_slli_epi16(t.b, NTP__CLOSE8_SHIFT));
+            __mmask32 gray = are_gray(t);
+            __mmask32 other = gray | _mm512_cmple_epu16_mask(_mm512_slli_epi16(u, 4), sum);
+            __mmask32 exact = _mm512_mask_cmpeq_epi16_mask(in_middle, t.b, low);
+            __mmask32 counted = ~(other | exact);
+            if (hides) {
+                const __mmask32 shown = _mm512_cmpgt_epu16_mask(t.blue_alpha, low);
+                hidden += STEP - __builtin_popcount(shown);
+                gray &= shown;
+                other &= shown;
+                exact &= shown;
+                counted &= shown;
+            }
+            flat = _mm512_mask_add_epi16(flat, exact, flat, _mm512_permutexvar_epi16(row, one_flat));
+            UNROLLED
+            for (int h = 0; h < 2; h++)
+                waiting += keep(at + waiting, _mm512_slli_epi32(half_of(place, h), 2),
+                                counted >> LANES_512 * h);
+            if (other == 0)
+                continue;
+            other &= ~unused_grays(&out->found, t, gray);
+            UNROLLED
+            for (int h = 0; h < 2; h++) {
+                const __m512i blue = _mm512_slli_epi32(half_of(t.b, h), 16);
+                colors += keep(out->color + colors, _mm512_or_si512(half_of(row, h), blue),
+                               other >> LANES_512 * h);
+            }
+        }
+        add_flat(flats, flat);
+        count_waiting(close[0], at, waiting, i - first);
+    }
+    for (uint32_t k = 0; k < NTP__FLAT_ROWS; k++) {
+        const __m512i counts = _mm512_srl_epi16(flats[k & 1], _mm_cvtsi32_si128((int) k / 2 * 8));
+        close[ntp__close8_of(FLAT + k, 255)][0] += (uint32_t) sum_of(
+            plus_bytes(_mm512_setzero_si512(), _mm512_and_si512(counts, low)));
+    }
+    out->others = 0;
     out->colors = colors;
     out->hidden = hidden;
-    const __m512i ones = _mm512_set1_epi8(-1);
-    merge_greatest(out->survey.extremes[0], _mm512_xor_si512(least_rg, ones),
-                   _mm512_xor_si512(least_b, ones));
-    merge_greatest(out->survey.extremes[1], most_rg, most_b);
-    out->survey.texels += (uint64_t) n;
-    out->survey.translucent |=
-        _mm512_cmplt_epu16_mask(every, _mm512_set1_epi16((short) 0xff00)) != 0;
-    out->survey.sum[0] += sum_of(sum_r);
-    out->survey.sum[1] += sum_of(sum_g);
-    out->survey.sum[2] += sum_of(sum_b);
+    const surveyed all = survey;
+    end_survey(out->found.survey, &all, i);
     end_lanes();
+    return i;
 }
 
 /* Which of these rows are in blocks that are not noted. */
@@ -364,17 +349,8 @@ int32_t ntp__count_cells_avx512(ntp__cell_counts *counts, ntp__found8 *found, co
             const __m512i k = k_of(t.rg), row = rows_of(t.rg, k, _mm512_testn_epi16_mask(k, k));
             __mmask32 left_out = hidden & _mm512_cmple_epu16_mask(t.blue_alpha, low);
             const __mmask32 gray = are_gray(t) & ~left_out;
-            if (gray != 0) {
-                __mmask32 black = 0, white = 0;
-                if (!(found->used & NTP__BLACK8))
-                    black = _mm512_mask_testn_epi16_mask(gray, t.rg, t.rg);
-                if (!(found->used & NTP__WHITE8))
-                    white = _mm512_mask_cmpeq_epi16_mask(gray, t.rg, _mm512_set1_epi8(-1));
-                found->gray += (uint32_t) __builtin_popcount(gray);
-                found->black += (uint32_t) __builtin_popcount(black);
-                found->white += (uint32_t) __builtin_popcount(white);
-                left_out |= black | white;
-            }
+            if (gray != 0)
+                left_out |= unused_grays(found, t, gray);
             new_ones |= are_new(row, noted0, noted1) & ~left_out;
             const __m512i cells[2] = { _mm512_madd_epi16(_mm512_unpacklo_epi16(row, t.b), by),
                                        _mm512_madd_epi16(_mm512_unpackhi_epi16(row, t.b), by) };

@@ -108,7 +108,7 @@ typedef int32_t ntp__count_alpha8_fn(ntp__alphas8 *alphas, const uint8_t *src, i
                                      int32_t visible);
 
 /* What is known of packed texels of 8 bit: the places of those that are not counted, in order, and at each of
- * these their row.  Instead of its place a kernel may give a color that is not gray, as row | blue << 16. */
+ * these their row.  Instead of its place a kernel may give a color, as row | blue << 16. */
 typedef struct ntp__close8_block {
     uint16_t row[256];
     uint8_t left[256];
@@ -116,17 +116,19 @@ typedef struct ntp__close8_block {
     int32_t others, colors; /* how many are not counted: places, and colors */
     int32_t visible,
         hidden; /* of four channels, those of less alpha than `visible`, 0 or 1, are hidden: how many are */
-    ntp__packed_survey survey; /* of this block and those before */
+    ntp__found8 found; /* of this block and those before; all grays are here */
 } ntp__close8_block;
 
 /*
  * Counts packed texels of 3 or 4 channels of 8 bit that are not gray and close to exact: all of
  * those with the derived blue, and of others those with places in the counts but for u < 4 (cells_avx2.c).
- * n <= 256, a multiple of NTP__KERNEL_LANES.  What lies `ahead`
- * bytes further on is fetched, as sums of the next row would wait for it.
+ * Grays that are unused for being black or white are in `found`, and not left.  n is a multiple of
+ * NTP__KERNEL_LANES, at most NTP__CLOSE8_AT_ONCE.  Returns of how many texels, of at least 128 if there are so many.
+ * What lies `ahead` bytes further on is fetched, as sums of the next row would wait for it.
  */
-typedef void ntp__count_close8_fn(ntp__close8_block *out, ntp__close8_counts close,
-                                  const uint8_t *src, int32_t n, int32_t channels, size_t ahead);
+enum { NTP__CLOSE8_AT_ONCE = 4096 };
+typedef int32_t ntp__count_close8_fn(ntp__close8_block *out, ntp__close8_counts close,
+                                     const uint8_t *src, int32_t n, int32_t channels, size_t ahead);
 
 /* What is known of a block of texels at once. */
 typedef struct ntp__survey {
