@@ -177,7 +177,7 @@ static ALWAYS_INLINE uint32_t words_set(__m256i words)
 
 /* Gray ones of a group: they are counted, and those among them that are unused for being black or white.
  * Returns which these are. */
-static ALWAYS_INLINE __m256i unused_grays(ntp__found8 *found, __m256i gray, __m256i pairs)
+ONE_COPY static __m256i unused_grays(ntp__found8 *found, __m256i gray, __m256i pairs)
 {
     const __m256i none = _mm256_setzero_si256(), all = _mm256_set1_epi8(-1);
     __m256i black = none, white = none;
