@@ -206,7 +206,7 @@ static void count_alphas(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_
 typedef struct packed_counts {
     ntp__count_close8_fn *close;
     ntp__count8_fn *cells;
-    bool counts_only;       /* levels are in the sums of channels already */
+    bool counts_only; /* levels are in the sums of channels already */
     ntp__close8_block part;
     ntp__packed_survey survey; /* is not in the tally yet */
     alpha_counts alpha;
@@ -221,11 +221,10 @@ static void begin_packed(packed_counts *c, uint32_t touch, bool counts_only)
     c->counts_only = counts_only;
     begin_alpha(&c->alpha, touch);
     c->part.visible = c->alpha.visible;
-    c->part.found =
-        (ntp__found8) { .used = (touch & NTP_UNUSED_BLACK ? NTP__BLACK8 : 0) |
-                                (touch & NTP_UNUSED_WHITE ? NTP__WHITE8 : 0) |
-                                (touch & NTP_UNUSED_TRANSPARENT ? NTP__CLEAR8 : 0),
-                        .survey = &c->survey };
+    c->part.found = (ntp__found8) { .used = (touch & NTP_UNUSED_BLACK ? NTP__BLACK8 : 0) |
+                                            (touch & NTP_UNUSED_WHITE ? NTP__WHITE8 : 0) |
+                                            (touch & NTP_UNUSED_TRANSPARENT ? NTP__CLEAR8 : 0),
+                                    .survey = &c->survey };
     memset(&c->survey, 0, sizeof c->survey);
 }
 
@@ -290,12 +289,18 @@ static int32_t count_groups(ntp_tally *t, packed_counts *c, const uint8_t *p, in
 }
 
 /* Counts close texels of the first ones of a row of texels, and returns of how many; `next` ones after them
- * are to be counted in another way.  Where it leaves more than half, as in photographs, close texels are looked
- * for again later. */
+ * are to be counted in another way.  What it leaves takes several times as long.  So where that is more than one
+ * used texel in FEW_LEFT, as in photographs, close texels are looked for again later. */
 static int32_t count_close(ntp_tally *t, packed_counts *c, int32_t *next, const uint8_t *p,
                            int32_t n, int32_t channels, size_t ahead)
 {
-    enum { BLOCK = 256, STEP = NTP__KERNEL_LANES, AT_ONCE = NTP__CLOSE8_AT_ONCE, MOST = 256 * BLOCK };
+    enum {
+        BLOCK = 256,
+        STEP = NTP__KERNEL_LANES,
+        AT_ONCE = NTP__CLOSE8_AT_ONCE,
+        MOST = 256 * BLOCK,
+        FEW_LEFT = 3
+    };
     ntp__close8_block *const part = &c->part;
     int32_t size = (n < AT_ONCE ? n : AT_ONCE) / STEP * STEP;
     part->others = part->colors = 0;
@@ -311,7 +316,7 @@ static int32_t count_close(ntp_tally *t, packed_counts *c, int32_t *next, const 
         const int32_t close = used - left;
         add_grays(t, &part->found);
         t->cells.grouped |= 4 * left > size;
-        if (2 * left <= used)
+        if (FEW_LEFT * left <= used)
             t->last_not_close = 0;
         else if (t->last_not_close < MOST)
             t->last_not_close = 2 * t->last_not_close + BLOCK;

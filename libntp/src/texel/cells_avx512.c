@@ -244,9 +244,9 @@ int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts clos
                 _mm512_add_epi16(square, _mm512_sub_epi16(xy, _mm512_set1_epi16(REST_8 - 15)));
             const __mmask32 in_middle = _mm512_testn_epi16_mask(k, k);
             const __m512i row = rows_of(t.rg, k, in_middle);
-            const __m512i place =
-                _mm512_or_si512(_mm512_mask_sub_epi16(row, in_middle, row, _mm512_set1_epi16(MOVED)),
-                                _mm512_slli_epi16(t.b, NTP__CLOSE8_SHIFT));
+            const __m512i place = _mm512_or_si512(
+                _mm512_mask_sub_epi16(row, in_middle, row, _mm512_set1_epi16(MOVED)),
+                _mm512_slli_epi16(t.b, NTP__CLOSE8_SHIFT));
             __mmask32 gray = are_gray(t);
             __mmask32 other = gray | _mm512_cmple_epu16_mask(_mm512_slli_epi16(u, 4), sum);
             __mmask32 exact = _mm512_mask_cmpeq_epi16_mask(in_middle, t.b, low);
@@ -259,7 +259,8 @@ int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts clos
                 exact &= shown;
                 counted &= shown;
             }
-            flat = _mm512_mask_add_epi16(flat, exact, flat, _mm512_permutexvar_epi16(row, one_flat));
+            flat =
+                _mm512_mask_add_epi16(flat, exact, flat, _mm512_permutexvar_epi16(row, one_flat));
             UNROLLED
             for (int h = 0; h < 2; h++)
                 waiting += keep(at + waiting, _mm512_slli_epi32(half_of(place, h), 2),
@@ -279,8 +280,8 @@ int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts clos
     }
     for (uint32_t k = 0; k < NTP__FLAT_ROWS; k++) {
         const __m512i counts = _mm512_srl_epi16(flats[k & 1], _mm_cvtsi32_si128((int) k / 2 * 8));
-        close[ntp__close8_of(FLAT + k, 255)][0] += (uint32_t) sum_of(
-            plus_bytes(_mm512_setzero_si512(), _mm512_and_si512(counts, low)));
+        close[ntp__close8_of(FLAT + k, 255)][0] +=
+            (uint32_t) sum_of(plus_bytes(_mm512_setzero_si512(), _mm512_and_si512(counts, low)));
     }
     out->others = 0;
     out->colors = colors;
