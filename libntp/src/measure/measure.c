@@ -384,7 +384,7 @@ static bool may_differ(const ntp_tally *t, const ntp__block *block, int32_t m)
         const int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
         const int32_t other =
             (r ^ (int32_t) t->color[0]) | (g ^ (int32_t) t->color[1]) | (b ^ (int32_t) t->color[2]);
-        any |= (other != 0) & ((r | g | b | black) != 0) & (((r & g & b) ^ m | white) != 0);
+        any |= (other != 0) & ((r | g | b | black) != 0) & ((((r & g & b) ^ m) | white) != 0);
     }
     return any != 0;
 }

@@ -299,7 +299,7 @@ static int32_t count_close(ntp_tally *t, packed_counts *c, int32_t *next, const 
         STEP = NTP__KERNEL_LANES,
         AT_ONCE = NTP__CLOSE8_AT_ONCE,
         MOST = 256 * BLOCK,
-        FEW_LEFT = 3
+        FEW_LEFT = 4
     };
     ntp__close8_block *const part = &c->part;
     int32_t size = (n < AT_ONCE ? n : AT_ONCE) / STEP * STEP;
@@ -421,18 +421,6 @@ static void count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *part, 
     }
 }
 
-/* About how many of the colors that a kernel left have no near cell: one in some is looked up. */
-static uint32_t far_colors(const ntp_tally *t, const ntp__close8_block *part)
-{
-    enum { EVERY = 4 };
-    uint32_t far = 0;
-    for (int32_t i = 0; i < part->colors; i += EVERY) {
-        const uint32_t first = t->cells.row[part->color[i] & 65535].first;
-        far += (part->color[i] >> 16) - first >= NTP__NEAR ? EVERY : 0;
-    }
-    return far;
-}
-
 /* Texels of a row; the colors of those that are unused for alpha 0 are not among the cells. */
 static void count_packed8(ntp_tally *t, packed_counts *c, const uint8_t *p, int32_t n,
                           int32_t channels)
@@ -447,10 +435,8 @@ static void count_packed8(ntp_tally *t, packed_counts *c, const uint8_t *p, int3
         count_left(t, &far, &c->part, p, channels);
         if (done > 0)
             t->cells.mostly_far = 0;
-        if (done > 0 && t->last_not_close > 0) { /* what follows is likely to be like these */
-            begin_look_ups(t);
-            t->cells.mostly_far = are_many(far_colors(t, &c->part), done);
-        }
+        if (done > 0 && t->last_not_close > 0) /* what follows is likely to be like these */
+            t->cells.mostly_far = 1;
         p += channels * done;
         if (next > 0)
             look_up_packed(t, c, p, next, channels, ahead);
