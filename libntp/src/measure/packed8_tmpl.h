@@ -283,6 +283,7 @@ static int32_t count_groups(ntp_tally *t, packed_counts *c, const uint8_t *p, in
         return 0;
     const int32_t done = c->cells(&t->cells.at, &c->part.found, p, n, channels, ahead);
     t->cells.grouped |= done > 0;
+    t->cells.undefined |= done > 0;
     add_grays(t, &c->part.found);
     add_alphas(t, c, p, done, channels);
     return done;
@@ -323,7 +324,7 @@ static int32_t count_close(ntp_tally *t, packed_counts *c, int32_t *next, const 
         if (2 * close >= size || (close > 0 && size > NTP__FEW_CLOSE)) {
             t->cells.has_close = 1;
         } else if (close > 0 && !t->cells.has_close) {
-            begin_look_ups(t);
+            ntp__rows_prepare(&t->cells);
             ntp__take_close8_of(&t->cells, p, size, channels);
         }
         t->not_close = t->last_not_close;
@@ -364,7 +365,6 @@ static void look_up_packed(ntp_tally *t, packed_counts *c, const uint8_t *p, int
 {
     const uint64_t far = t->cells.far_texels;
     int32_t i = 0;
-    begin_look_ups(t);
     for (; n - i >= GROUP; i += GROUP, p += channels * GROUP) {
         if (are_far(t, far, i)) {
             const int32_t quick = count_groups(t, c, p, n - i, channels, ahead);
@@ -376,6 +376,7 @@ static void look_up_packed(ntp_tally *t, packed_counts *c, const uint8_t *p, int
                 break;
             }
         }
+        begin_look_ups(t);
         fetch(p, ahead);
         if (is_even(p, channels)) {
             count_packed(t, c, p, channels, GROUP);
@@ -385,6 +386,8 @@ static void look_up_packed(ntp_tally *t, packed_counts *c, const uint8_t *p, int
             count_packed(t, c, p + channels * k, channels, 1);
     }
     add_rest(t, c, p - channels * i, n, channels);
+    if (i < n)
+        begin_look_ups(t);
     for (; i < n; i++, p += channels)
         count_packed(t, c, p, channels, 1);
 }
