@@ -373,26 +373,10 @@ static void count_gray8(ntp_tally *t, const uint8_t *p, int32_t n)
         note_color(t, p[i], p[i], p[i]);
 }
 
-/* May a texel of a whole block have another color than the one that is noted?  Black and white ones have not where these are
- * unused.  Without branches, as of two colors any may come next. */
-static bool may_differ(const ntp_tally *t, const ntp__block *block, int32_t m)
-{
-    const int32_t black = t->touched & NTP_UNUSED_BLACK ? 1 : 0;
-    const int32_t white = t->touched & NTP_UNUSED_WHITE ? 1 : 0;
-    int32_t any = 0;
-    for (int32_t i = 0; i < NTP__BLOCK; i++) {
-        const int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
-        const int32_t other =
-            (r ^ (int32_t) t->color[0]) | (g ^ (int32_t) t->color[1]) | (b ^ (int32_t) t->color[2]);
-        any |= (other != 0) & ((r | g | b | black) != 0) & ((((r & g & b) ^ m) | white) != 0);
-    }
-    return any != 0;
-}
-
 /* Looks for a second used color.  Only images of one color are searched to the end. */
 static void note_colors(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
 {
-    if (t->colors == 1 && n == NTP__BLOCK && !may_differ(t, block, m))
+    if (t->colors == 1 && n == NTP__BLOCK && !ntp__may_differ(t, block, m))
         return;
     for (int32_t i = 0; i < n && t->colors < 2; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];

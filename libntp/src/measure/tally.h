@@ -157,6 +157,22 @@ ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
 /* Fills in how blue depends on red and green (blue_evidence.c). */
 void ntp__describe_blue(ntp__evidence *evidence, const ntp_tally *tally);
 
+/* May a texel of a whole block have another color than the one that is noted?  Black and white ones have not where these are
+ * unused.  Without branches, as of two colors any may come next. */
+static inline bool ntp__may_differ(const ntp_tally *t, const ntp__block *block, int32_t m)
+{
+    const int32_t black = t->touched & NTP_UNUSED_BLACK ? 1 : 0;
+    const int32_t white = t->touched & NTP_UNUSED_WHITE ? 1 : 0;
+    int32_t any = 0;
+    for (int32_t i = 0; i < NTP__BLOCK; i++) {
+        const int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
+        const int32_t other =
+            (r ^ (int32_t) t->color[0]) | (g ^ (int32_t) t->color[1]) | (b ^ (int32_t) t->color[2]);
+        any |= (other != 0) & ((r | g | b | black) != 0) & ((((r & g & b) ^ m) | white) != 0);
+    }
+    return any != 0;
+}
+
 /* The M that texels are judged at. */
 static inline int32_t ntp__tally_max(const ntp_tally *t)
 {
