@@ -327,60 +327,48 @@ static ntp__i128 sum_of(const ntp__vectors *v, int32_t k, int32_t i)
     return ntp__i128_of((int64_t) v->c[k][i]);
 }
 
-/* Does texels of row y in doubt again, from their vectors if these are exact, or from the sums of their
- * columns; of all if they are many.  The n texels are at[0].. of the strip (NULL: all). */
-static void settle_strip(const job *j, ntp__block *out, const ntp__vectors *v, int32_t *doubt,
-                         const int32_t *inexact, const int32_t *at, int32_t n,
-                         const ntp_rect *strip, int32_t y)
+/* Does texels of row y in doubt again, from their vectors if these are integers, or from the sums of their
+ * columns.  The n texels are at[0].. of the strip (NULL: all). */
+static void settle_strip(const job *j, ntp__block *out, const ntp__vectors *v, const int32_t *doubt,
+                         const int32_t *inexact, const int32_t *at, int32_t n, int32_t x0,
+                         int32_t y)
 {
-    enum { MANY = 8 };
-    int32_t first, end, found = 0;
     for (int32_t i = 0; i < n; i++) {
-        /* No vector is surely flat, such as that of unused texels. */
-        doubt[i] &= -(v->c[0][i] != 0 || v->c[1][i] != 0 || v->c[2][i] != 0);
-        found += (doubt[i] | inexact[i]) != 0;
-    }
-    const bool exact = j->most < 0x1p53, summed = !exact && found > 0 && at == NULL;
-    columns_of(&first, &end, &j->plan->x, strip->x0, strip->x1);
-    if (summed)
-        ntp__strip_columns(j, y);
-    else if (!exact && found > MANY)
-        add_rows(j, y, first, end);
-    for (int32_t i = 0; found > 0 && i < n; i++) {
-        const int32_t x = strip->x0 + (at == NULL ? i : at[i]);
+        const int32_t k = at == NULL ? i : at[i];
         if ((doubt[i] | inexact[i]) == 0)
             continue;
-        if (exact) {
+        if (j->most < 0x1p53) {
             put_direction(j, out, i,
                           (ntp__i128[3]) { sum_of(v, 0, i), sum_of(v, 1, i), sum_of(v, 2, i) });
-            continue;
+        } else {
+            ntp__strip_columns(j, k, y);
+            resize_texel(j, out, i, x0 + k);
         }
-        columns_of(&first, &end, &j->plan->x, x, x + 1);
-        if (!summed && found <= MANY)
-            add_rows(j, y, first, end);
-        resize_texel(j, out, i, x);
     }
 }
 
 static void resize_strip_row(const job *j, const ntp_rect *strip, int32_t y)
 {
-    int32_t doubt[NTP__BLOCK], inexact[NTP__BLOCK], at[NTP__BLOCK];
+    int32_t doubt[NTP__BLOCK], inexact[NTP__BLOCK], places[NTP__BLOCK];
+    const int32_t *at = places, x0 = strip->x0, width = strip->x1 - x0;
     ntp__block out;
     ntp__vectors v;
-    int32_t n = ntp__strip_packed(j, &v, inexact, at, y);
-    bool whole = n < 0, any = true;
+    int32_t n = ntp__strip_packed(j, &v, inexact, places, y);
+    bool any = true;
     if (n == 0)
         return;
-    if (whole) {
+    if (n < 0)
         any = ntp__strip_vectors(j, &v, inexact, y) > 0;
-        n = strip->x1 - strip->x0;
+    if (n < 0 || n == width) {
+        n = width;
+        at = NULL;
     }
-    if (ntp__block_directions(&out, doubt, &v, n, j->m, j->src->encoding, j->most < 0x1p53) || any)
-        settle_strip(j, &out, &v, doubt, inexact, whole ? NULL : at, n, strip, y);
-    if (whole)
-        ntp__store_levels(j->dst, &out, strip->x0, y, n);
-    for (int32_t i = 0; !whole && i < n; i++) {
-        void *d = ntp__at_mut(j->dst, strip->x0 + at[i], y);
+    if (ntp__block_directions(&out, doubt, &v, n, j->m, j->src->encoding, true) || any)
+        settle_strip(j, &out, &v, doubt, inexact, at, n, x0, y);
+    if (at == NULL)
+        ntp__store_levels(j->dst, &out, x0, y, n);
+    for (int32_t i = 0; at != NULL && i < n; i++) {
+        void *d = ntp__at_mut(j->dst, x0 + at[i], y);
         for (int32_t k = 0; k < 3; k++) {
             if (j->m > 255)
                 ((uint16_t *) d)[k] = (uint16_t) out.c[k][i];

@@ -49,11 +49,12 @@ size_t ntp__strip_size(const ntp_resize_plan *plan);
  * for, at most x1. */
 int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1);
 
-/* The vectors of row y; inexact[i]: not 0 where they are not good enough.  Returns how many. */
+/* The vectors of row y, whose signs and zeros are right; inexact[i]: not 0 where they are not good enough.  Returns
+ * how many. */
 int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact, int32_t y);
 
-/* After that, the sums of the columns of the strip for row y, in j->quick. */
-void ntp__strip_columns(const ntp__resize_job *j, int32_t y);
+/* After that, or after ntp__strip_packed, the sums of the columns of texel i of the strip for row y, in j->quick. */
+void ntp__strip_columns(const ntp__resize_job *j, int32_t i, int32_t y);
 
 /* Row y as packed pixels.  Returns how many of them are not decided, texels at[0].. of the
  * strip, with their vectors; below 0: no pixel is, and ntp__strip_vectors is the other way. */

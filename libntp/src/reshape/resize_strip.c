@@ -145,18 +145,6 @@ static bool any_negative(const ntp__resize_job *j, const float *const *rows, int
     return false;
 }
 
-/* Is a texel made of unused ones only? */
-static bool is_empty(const ntp__resize_job *j, int32_t i)
-{
-    const ntp__strip *s = j->strip;
-    const double *weight = s->sums + 4 * s->at[i] + 3;
-    for (int32_t k = 0; k < j->plan->x.span[s->x0 + i].count; k++, weight += 4) {
-        if (*weight != 0)
-            return false;
-    }
-    return true;
-}
-
 /* So it is where the sides are halved. */
 static bool is_symmetric(const int32_t *weight, int32_t taps)
 {
@@ -219,23 +207,66 @@ static bool overshot(const ntp__resize_job *j, const sources *from, int32_t i, i
            !(from->any.negative && any_negative(j, from->rows, i, y));
 }
 
-/* n vectors, of texels at[0].. (NULL: all), and what is to be done about them; returns how many are
- * inexact. */
+/* x, y, z and weight of n texels from texel i on, mod 2^32. */
+static void sum_low_bits(const ntp__resize_job *j, uint32_t *low, int32_t i, int32_t n)
+{
+    const ntp__strip *s = j->strip;
+    const ntp__axis *axis = &j->plan->x;
+    uint32_t part[4 * PADDED];
+    const int32_t end = 4 * (s->at[i + n - 1] + s->taps_x);
+    for (int32_t k = 4 * s->at[i]; k < end; k++) {
+        const double c =
+            s->sums[k] + 0x1.8p52; /* the last bits are those of an integer below 2^51 */
+        uint64_t bits;
+        memcpy(&bits, &c, sizeof bits);
+        part[k] = (uint32_t) bits;
+    }
+    for (; n > 0; n--, i++, low += 4) {
+        const int32_t *weight = axis->weight + (ptrdiff_t) (s->x0 + i) * axis->stride;
+        const uint32_t *c = part + 4 * (ptrdiff_t) s->at[i];
+        uint32_t sum[4] = { 0, 0, 0, 0 };
+        for (int32_t t = 0; t < axis->span[s->x0 + i].count; t++, c += 4) {
+            for (int32_t k = 0; k < 4; k++)
+                sum[k] += (uint32_t) weight[t] * c[k];
+        }
+        memcpy(low, sum, sizeof sum);
+    }
+}
+
+/*
+ * n vectors, of texels at[0].. (NULL: all), and what is to be done about them; returns how many are
+ * inexact.  Of what is not known to be other than 0, the last 32 bits are all.
+ *
+ * How far a component in doubles is off: with 2k weights by k + 1 times 2^-53 of the greatest sum there can be, as a
+ * product is rounded once, and then k times in sums.  That is less than 2^30.
+ */
 static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact,
-                             const double *total, const sources *from, const int32_t *at, int32_t n,
+                             double *total, const sources *from, const int32_t *at, int32_t n,
                              int32_t row)
 {
-    const double error = j->most < 0x1p53 ? 0 : j->most * j->strip->taps_x * 0x1p-52;
-    /* A component over the length is off by 2^-40, or 2^-32 of 8 bit: 2^-10 units of directions_tmpl.h. */
-    const double least = error * error * (j->m > 255 ? 0x1p80 : 0x1p64);
+    const double error = j->most < 0x1p53 ? 0 : j->most * (j->strip->taps_x + 1) * 0x1p-53;
+    /* A component over the length is off by 2^-33, as kernels.h says. */
+    const double least = error * error * 0x1p66;
+    uint32_t low[4 * NTP__BLOCK];
+    bool summed = false;
     int32_t found = 0;
     for (int32_t k = 0; k < n; k++) {
-        const double x = v->c[0][k], y = v->c[1][k], z = v->c[2][k];
         const int32_t i = at == NULL ? k : at[k];
-        /* Where the total is surely below 0 there is no vector, as below. */
-        inexact[k] = error > 0 && total[k] >= -error &&
-                     (total[k] <= error || fabs(z) <= error || x * x + y * y + z * z <= least) &&
-                     !is_empty(j, i);
+        double *const c[4] = { &v->c[0][k], &v->c[1][k], &v->c[2][k], &total[k] };
+        inexact[k] = 0;
+        if (error > 0 && (fabs(*c[0]) <= error || fabs(*c[1]) <= error || fabs(*c[2]) <= error ||
+                          fabs(*c[3]) <= error)) {
+            if (!summed || at != NULL)
+                sum_low_bits(j, low + (at == NULL ? 0 : 4 * k), at == NULL ? 0 : i,
+                             at == NULL ? n : 1);
+            summed = true;
+            for (int32_t q = 0; q < 4; q++) {
+                if (fabs(*c[q]) <= error)
+                    *c[q] = (int32_t) low[4 * k + q];
+            }
+        }
+        const double x = *c[0], y = *c[1], z = *c[2], square = x * x + y * y + z * z;
+        inexact[k] = total[k] > 0 && square > error * error && square <= least;
         /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
         if (total[k] <= 0)
             v->c[0][k] = v->c[1][k] = v->c[2][k] = 0;
@@ -352,25 +383,21 @@ static void sum_halves_in_doubles(ntp__strip *s, const sources *from, int32_t i)
 }
 
 /* The sums of some texels in doubles. */
-static void sum_again(const ntp__resize_job *j, ntp__vectors *v, double *total,
-                      const ntp__planes *p, const sources *from, const int32_t *at, int32_t n)
+static void sum_again(const ntp__resize_job *j, ntp__vectors *v, double *total, const sources *from,
+                      const int32_t *at, int32_t n)
 {
     ntp__strip *s = j->strip;
-    const double unit = 1 / (j->plan->x.scale * j->plan->y.scale);
     for (int32_t k = 0; k < n; k++) {
         const int32_t i = at[k], columns = j->plan->x.span[s->x0 + i].count;
         ntp__vectors one;
-        if (s->in_floats)
-            total[k] = s->halved && !from->any.holes ? 1 : p->c[3][i];
-        else if (s->halved)
+        if (s->halved)
             sum_halves_in_doubles(s, from, i);
         else
             sum_in_doubles(s, from, 4 * s->at[i], (4 * columns + 7) / 8 * 8);
-        if (!s->in_floats)
-            loops()->add_columns(&one, &total[k], s->sums, &s->at[i], s->weight + i * s->taps_x,
-                                 s->taps_x, 1);
+        loops()->add_columns(&one, &total[k], s->sums, &s->at[i], s->weight + i * s->taps_x,
+                             s->taps_x, 1);
         for (int32_t c = 0; c < 3; c++)
-            v->c[c][k] = s->in_floats ? p->c[c][i] * unit : one.c[c][0];
+            v->c[c][k] = one.c[c][0];
     }
 }
 
@@ -401,7 +428,16 @@ int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *in
         }
         return -1;
     }
-    sum_again(j, v, total, &p, &from, at, found);
+    if (s->in_floats) {
+        const double unit = 1 / (j->plan->x.scale * j->plan->y.scale);
+        for (int32_t k = 0; k < found; k++) {
+            inexact[k] = 0;
+            for (int32_t c = 0; c < 3; c++)
+                v->c[c][k] = p.c[c][at[k]] * unit;
+        }
+        return found;
+    }
+    sum_again(j, v, total, &from, at, found);
     judge_vectors(j, v, inexact, total, &from, at, found, y);
     return found;
 }
@@ -425,12 +461,13 @@ int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *i
     return judge_vectors(j, v, inexact, total, &from, NULL, s->n, y);
 }
 
-void ntp__strip_columns(const ntp__resize_job *j, int32_t y)
+void ntp__strip_columns(const ntp__resize_job *j, int32_t i, int32_t y)
 {
     const ntp__strip *s = j->strip;
     sources from;
     find_sources(j, &from, y);
-    for (int32_t c = 0; c < s->columns; c++) {
+    const int32_t end = s->at[i] + j->plan->x.span[s->x0 + i].count;
+    for (int32_t c = s->at[i]; c < end; c++) {
         const int32_t x = ntp__axis_map(&j->plan->x, s->first + c);
         int32_t below = 0;
         for (int32_t t = 0; from.any.negative && t < from.taps; t++)

@@ -86,14 +86,14 @@ bool ntp__block_directions(ntp__block *out, int32_t *doubt, ntp__vectors *v, int
     const size_t size = (size_t) n * sizeof kept[0];
     if (encoding == NTP_ENCODING_XY)
         memcpy(kept, out->c[2], size);
-    const bool any =
+    const int32_t any =
         ntp__kernels(NTP__CPU_ALL)
             ->directions(out->c[0], out->c[1], out->c[2], doubt, v, n, m, zzero, exact);
-    if (any)
+    if (any & NTP__OVERLONG)
         ntp__pull_directions(out, doubt, v, n, m, zzero);
     if (encoding == NTP_ENCODING_XY)
         memcpy(out->c[2], kept, size);
-    return any;
+    return any & NTP__IN_DOUBT;
 }
 
 static ntp__i128 magnitude(ntp__i128 a)

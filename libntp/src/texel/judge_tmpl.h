@@ -309,7 +309,8 @@ static void judge_block(ntp__judged *j, const int32_t *r, const int32_t *g, cons
  * Pulls as ntp__pull does.  With the odd numbers 2u - 1 < t < 2u + 1 around a projection, and
  * 2v - 1, 2v + 1 around the other one, the pair of the lower ones is on the disc, that of the
  * greater ones is not, and of the other two each reaches farther than the first.  (t + 1)/2 is taken
- * in double, in units of 2^-15, as in directions_tmpl.h.
+ * in double, in units of 2^-15, as in directions_tmpl.h.  A projection is below |X|, so what seems to be
+ * (|X| + 1)/2 is not, as on the axes.
  */
 static int32_t pull(int32_t *restrict r, int32_t *restrict g, int32_t *restrict doubt, int32_t n,
                     int32_t m)
@@ -328,7 +329,8 @@ static int32_t pull(int32_t *restrict r, int32_t *restrict g, int32_t *restrict 
         const int32_t down = (squares - more < am) & (ax != ay);
         const int32_t a = u + (right & ((ax > ay) | (down ^ 1)));
         const int32_t c = v + (down & ((ay > ax) | (right ^ 1)));
-        doubt[i] = in_doubt(s, 0) | in_doubt(t, 0);
+        doubt[i] = (in_doubt(s, 0) & ((s + 1) >> 14 != ax + 1)) |
+                   (in_doubt(t, 0) & ((t + 1) >> 14 != ay + 1));
         any |= doubt[i];
         /* M less a level are the other bits of it. */
         r[i] = (k - 1 + a) ^ (p < 0 ? m : 0);
