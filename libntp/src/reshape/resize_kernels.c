@@ -77,6 +77,22 @@ static void add_columns(ntp__vectors *restrict out, double *restrict total,
     }
 }
 
+static void add_low_bits(uint32_t *restrict low, const uint32_t *restrict sums,
+                         const int32_t *restrict first, const ntp__span_of_taps *restrict span,
+                         const int32_t *restrict weight, int32_t stride, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++, weight += stride, low += 4) {
+        const uint32_t *c = sums + 4 * (ptrdiff_t) first[i];
+        uint32_t sum[4] = { 0, 0, 0, 0 };
+        for (int32_t t = 0; t < span[i].count; t++, c += 4) {
+            for (int32_t k = 0; k < 4; k++)
+                sum[k] += (uint32_t) weight[t] * c[k];
+        }
+        for (int32_t k = 0; k < 4; k++)
+            low[k] = sum[k];
+    }
+}
+
 extern const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA);
 const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA) = { add_rows, add_pairs,
-                                                                  add_columns };
+                                                                  add_columns, add_low_bits };

@@ -5,6 +5,7 @@
 #ifndef NTP_RESIZE_KERNELS_H
 #define NTP_RESIZE_KERNELS_H
 
+#include "reshape/resize.h"
 #include "texel/kernels.h"
 
 #include <stdbool.h>
@@ -27,6 +28,10 @@ typedef struct ntp__resize_kernels {
      * weights of their own. */
     void (*add_columns)(ntp__vectors *v, double *total, const double *sums, const int32_t *first,
                         const double *weight, int32_t taps, int32_t n);
+    /* x, y, z and weight of n texels mod 2^32, from numbers mod 2^32. */
+    void (*add_low_bits)(uint32_t *low, const uint32_t *sums, const int32_t *first,
+                         const ntp__span_of_taps *span, const int32_t *weight, int32_t stride,
+                         int32_t n);
 } ntp__resize_kernels;
 
 /* x, y, z and weight of texels of the result. */
@@ -49,6 +54,10 @@ typedef struct ntp__whole_weights {
 
 /* The same for numbers of 9 bits, times 2^14. */
 void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t count);
+
+/* Exact sums of weights that are integers below 2^30, times 1 or a half, of numbers first.. of the rows. */
+void ntp__add_whole_avx2(double *sums, const ntp__whole_weights *from, double scale, int32_t first,
+                         int32_t count);
 
 /* Whole numbers as floats; n is a multiple of 8. */
 void ntp__widen_avx2(float *to, const int16_t *from, int32_t n);

@@ -176,28 +176,38 @@ static void find_sources(const ntp__resize_job *j, sources *from, int32_t y)
     from->symmetric = is_symmetric(from->weight, taps);
 }
 
+#ifdef NTP_HAVE_AVX2
+/* The weights of whole rows, times scale. */
+static void split_weights(ntp__whole_weights *to, const sources *from, double scale)
+{
+    const int32_t end = from->symmetric ? from->taps / 2 : from->taps;
+    to->n = end + end % 2;
+    for (int32_t t = 0; t < to->n; t++) {
+        const int32_t s = t < end ? t : 0, w = t < end ? (int32_t) (from->weight[s] * scale) : 0;
+        to->row[t] = from->rows[s];
+        to->other[t] = from->rows[from->symmetric ? from->taps - 1 - s : s];
+        to->upper[t] = (int16_t) (w >> 15);
+        to->lower[t] = (int16_t) (w & 32767);
+    }
+}
+#endif
+
 /* Sums of `count` numbers from `first` on, a multiple of 8. */
 static void sum_in_doubles(ntp__strip *s, const sources *from, int32_t first, int32_t count)
 {
-    enum { PART = 64 };
-#ifdef NTP_HAVE_AVX2
-    float part[MOST_TAPS + 2][PART];
-#endif
     const float *rows[MOST_TAPS + 2];
-    for (int32_t n, i = first, end = first + count; i < end; i += n) {
-        n = s->whole && end - i > PART ? PART : end - i;
-        for (int32_t t = 0; t < from->taps; t++) {
-            rows[t] = from->rows[t] + i;
 #ifdef NTP_HAVE_AVX2
-            if (s->whole) {
-                ntp__widen_avx2(part[t], (const int16_t *) (const void *) from->rows[t] + i, n);
-                rows[t] = part[t];
-            }
-#endif
-        }
-        (from->symmetric ? loops()->add_pairs : loops()->add_rows)(s->sums + i, rows, from->weight,
-                                                                   from->taps, n);
+    if (s->whole) {
+        ntp__whole_weights to;
+        split_weights(&to, from, 1);
+        ntp__add_whole_avx2(s->sums, &to, from->symmetric ? 1 : 0.5, first, count);
+        return;
     }
+#endif
+    for (int32_t t = 0; t < from->taps; t++)
+        rows[t] = from->rows[t] + first;
+    (from->symmetric ? loops()->add_pairs : loops()->add_rows)(s->sums + first, rows, from->weight,
+                                                               from->taps, count);
 }
 
 /* Is a negative z of texel i no z of a source?  Only Lanczos has weights below 0. */
@@ -221,16 +231,8 @@ static void sum_low_bits(const ntp__resize_job *j, uint32_t *low, int32_t i, int
         memcpy(&bits, &c, sizeof bits);
         part[k] = (uint32_t) bits;
     }
-    for (; n > 0; n--, i++, low += 4) {
-        const int32_t *weight = axis->weight + (ptrdiff_t) (s->x0 + i) * axis->stride;
-        const uint32_t *c = part + 4 * (ptrdiff_t) s->at[i];
-        uint32_t sum[4] = { 0, 0, 0, 0 };
-        for (int32_t t = 0; t < axis->span[s->x0 + i].count; t++, c += 4) {
-            for (int32_t k = 0; k < 4; k++)
-                sum[k] += (uint32_t) weight[t] * c[k];
-        }
-        memcpy(low, sum, sizeof sum);
-    }
+    loops()->add_low_bits(low, part, &s->at[i], axis->span + s->x0 + i,
+                          axis->weight + (ptrdiff_t) (s->x0 + i) * axis->stride, axis->stride, n);
 }
 
 /*
@@ -278,22 +280,6 @@ static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t 
 }
 
 #ifdef NTP_HAVE_AVX2
-static void sum_whole(float *sums, const sources *from, double scale, int32_t count)
-{
-    const int32_t end = from->symmetric ? from->taps / 2 : from->taps;
-    ntp__whole_weights to;
-    scale *= from->symmetric ? 0x1p29 : 0x1p28;
-    to.n = end + end % 2;
-    for (int32_t t = 0; t < to.n; t++) {
-        const int32_t s = t < end ? t : 0, w = t < end ? (int32_t) (from->weight[s] * scale) : 0;
-        to.row[t] = from->rows[s];
-        to.other[t] = from->rows[from->symmetric ? from->taps - 1 - s : s];
-        to.upper[t] = (int16_t) (w >> 15);
-        to.lower[t] = (int16_t) (w & 32767);
-    }
-    ntp__sum_whole_avx2(sums, &to, count);
-}
-
 /* Sums in floats; returns how far a component may be off. */
 static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least[4],
                            const sources *from)
@@ -305,9 +291,11 @@ static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least
     const int32_t terms = (s->whole ? k / 8 + 2 : k) + s->taps_x / 2 + 4;
     const int32_t planes = from->any.holes ? 4 : 3;
     const int32_t count = s->halved ? 2 * planes * NTP__RUN : 4 * s->columns;
-    if (s->whole)
-        sum_whole(s->sums_in_float, from, y->scale, count);
-    else
+    if (s->whole) {
+        ntp__whole_weights to;
+        split_weights(&to, from, y->scale * (from->symmetric ? 0x1p29 : 0x1p28));
+        ntp__sum_whole_avx2(s->sums_in_float, &to, count);
+    } else
         ntp__sum_rows_avx2(s->sums_in_float, from->rows, from->weight, (float) y->scale, from->taps,
                            from->symmetric, count);
     least[3] = INFINITY;
