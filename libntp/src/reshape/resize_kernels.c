@@ -77,11 +77,11 @@ static void add_columns(ntp__vectors *restrict out, double *restrict total,
     }
 }
 
-static void add_low_bits(uint32_t *restrict low, const uint32_t *restrict sums,
+static void add_low_bits(int32_t *restrict low, const uint32_t *restrict sums,
                          const int32_t *restrict first, const ntp__span_of_taps *restrict span,
                          const int32_t *restrict weight, int32_t stride, int32_t n)
 {
-    for (int32_t i = 0; i < n; i++, weight += stride, low += 4) {
+    for (int32_t i = 0; i < n; i++, weight += stride) {
         const uint32_t *c = sums + 4 * (ptrdiff_t) first[i];
         uint32_t sum[4] = { 0, 0, 0, 0 };
         for (int32_t t = 0; t < span[i].count; t++, c += 4) {
@@ -89,7 +89,7 @@ static void add_low_bits(uint32_t *restrict low, const uint32_t *restrict sums,
                 sum[k] += (uint32_t) weight[t] * c[k];
         }
         for (int32_t k = 0; k < 4; k++)
-            low[k] = sum[k];
+            low[NTP__BLOCK * k + i] = (int32_t) sum[k];
     }
 }
 

@@ -217,16 +217,16 @@ static bool overshot(const ntp__resize_job *j, const sources *from, int32_t i, i
            !(from->any.negative && any_negative(j, from->rows, i, y));
 }
 
-/* x, y, z and weight of n texels from texel i on, mod 2^32. */
-static void sum_low_bits(const ntp__resize_job *j, uint32_t *low, int32_t i, int32_t n)
+/* Planes of x, y, z and weight of n texels from texel i on, mod 2^32. */
+static void sum_low_bits(const ntp__resize_job *j, int32_t *low, int32_t i, int32_t n)
 {
     const ntp__strip *s = j->strip;
     const ntp__axis *axis = &j->plan->x;
     uint32_t part[4 * PADDED];
     const int32_t end = 4 * (s->at[i + n - 1] + s->taps_x);
     for (int32_t k = 4 * s->at[i]; k < end; k++) {
-        const double c =
-            s->sums[k] + 0x1.8p52; /* the last bits are those of an integer below 2^51 */
+        /* The last bits of this are those of an integer below 2^51. */
+        const double c = s->sums[k] + 0x1.8p52;
         uint64_t bits;
         memcpy(&bits, &c, sizeof bits);
         part[k] = (uint32_t) bits;
@@ -249,30 +249,25 @@ static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t 
     const double error = j->most < 0x1p53 ? 0 : j->most * (j->strip->taps_x + 1) * 0x1p-53;
     /* A component over the length is off by 2^-33, as kernels.h says. */
     const double least = error * error * 0x1p66;
-    uint32_t low[4 * NTP__BLOCK];
-    bool summed = false;
-    int32_t found = 0;
+    double *const c[4] = { v->c[0], v->c[1], v->c[2], total };
+    int32_t low[4][NTP__BLOCK], small = 0, found = 0;
+    for (int32_t q = 0; error > 0 && q < 4; q++) {
+        for (int32_t k = 0; k < n; k++)
+            small |= fabs(c[q][k]) <= error;
+    }
+    for (int32_t k = 0; small && k < n; k += at == NULL ? n : 1)
+        sum_low_bits(j, &low[0][k], at == NULL ? 0 : at[k], at == NULL ? n : 1);
+    for (int32_t q = 0; small && q < 4; q++) {
+        for (int32_t k = 0; k < n; k++)
+            c[q][k] = fabs(c[q][k]) <= error ? low[q][k] : c[q][k];
+    }
     for (int32_t k = 0; k < n; k++) {
-        const int32_t i = at == NULL ? k : at[k];
-        double *const c[4] = { &v->c[0][k], &v->c[1][k], &v->c[2][k], &total[k] };
-        inexact[k] = 0;
-        if (error > 0 && (fabs(*c[0]) <= error || fabs(*c[1]) <= error || fabs(*c[2]) <= error ||
-                          fabs(*c[3]) <= error)) {
-            if (!summed || at != NULL)
-                sum_low_bits(j, low + (at == NULL ? 0 : 4 * k), at == NULL ? 0 : i,
-                             at == NULL ? n : 1);
-            summed = true;
-            for (int32_t q = 0; q < 4; q++) {
-                if (fabs(*c[q]) <= error)
-                    *c[q] = (int32_t) low[4 * k + q];
-            }
-        }
-        const double x = *c[0], y = *c[1], z = *c[2], square = x * x + y * y + z * z;
+        const double x = c[0][k], y = c[1][k], z = c[2][k], square = x * x + y * y + z * z;
         inexact[k] = total[k] > 0 && square > error * error && square <= least;
         /* Negative weights of Lanczos can outweigh the others where many texels are unused. */
         if (total[k] <= 0)
             v->c[0][k] = v->c[1][k] = v->c[2][k] = 0;
-        else if (z < 0 && overshot(j, from, i, row))
+        else if (z < 0 && overshot(j, from, at == NULL ? k : at[k], row))
             v->c[2][k] = 0;
         found += inexact[k];
     }
