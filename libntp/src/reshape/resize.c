@@ -8,8 +8,9 @@
  * matters.  Only the direction of the result is rounded, once.  The columns are summed last because
  * then no sum outlives a row of the result: each call stands alone, and a caller can stream rows.
  *
- * Sums of columns below 2^53 are doubles, which are exact then.  Sums of those are doubles too, and
- * the few results that these cannot decide are computed again with the sums above.
+ * Sums of columns below 2^53 are doubles, which are exact then.  Sums of those are doubles too.  What may be 0 is
+ * summed again in 32 bits for RGB (resize_strip.c), and the few results that these cannot decide are computed again
+ * with the sums above.
  */
 #include "texel/direction.h"
 #include "texel/unused.h"

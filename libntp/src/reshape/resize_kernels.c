@@ -4,6 +4,8 @@
  */
 #include "reshape/resize_kernels.h"
 
+#include <string.h>
+
 #define CONCAT_(a, b) a##b
 #define CONCAT(a, b)  CONCAT_(a, b)
 
@@ -77,16 +79,20 @@ static void add_columns(ntp__vectors *restrict out, double *restrict total,
     }
 }
 
-static void add_low_bits(int32_t *restrict low, const uint32_t *restrict sums,
+static void add_low_bits(int32_t *restrict low, const double *restrict sums,
                          const int32_t *restrict first, const ntp__span_of_taps *restrict span,
                          const int32_t *restrict weight, int32_t stride, int32_t n)
 {
     for (int32_t i = 0; i < n; i++, weight += stride) {
-        const uint32_t *c = sums + 4 * (ptrdiff_t) first[i];
+        const double *c = sums + 4 * (ptrdiff_t) first[i];
         uint32_t sum[4] = { 0, 0, 0, 0 };
         for (int32_t t = 0; t < span[i].count; t++, c += 4) {
-            for (int32_t k = 0; k < 4; k++)
-                sum[k] += (uint32_t) weight[t] * c[k];
+            for (int32_t k = 0; k < 4; k++) {
+                const double d = c[k] + 0x1.8p52; /* whose last bits are those of an integer */
+                uint64_t bits;
+                memcpy(&bits, &d, sizeof bits);
+                sum[k] += (uint32_t) weight[t] * (uint32_t) bits;
+            }
         }
         for (int32_t k = 0; k < 4; k++)
             low[NTP__BLOCK * k + i] = (int32_t) sum[k];
@@ -94,5 +100,5 @@ static void add_low_bits(int32_t *restrict low, const uint32_t *restrict sums,
 }
 
 extern const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA);
-const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA) = { add_rows, add_pairs,
-                                                                  add_columns, add_low_bits };
+const ntp__resize_kernels CONCAT(ntp__resize_loops_, NTP_ISA) = { add_rows, add_pairs, add_columns,
+                                                                  add_low_bits };

@@ -28,8 +28,8 @@ typedef struct ntp__resize_kernels {
      * weights of their own. */
     void (*add_columns)(ntp__vectors *v, double *total, const double *sums, const int32_t *first,
                         const double *weight, int32_t taps, int32_t n);
-    /* Planes of x, y, z and weight of n texels mod 2^32, NTP__BLOCK apart, from numbers mod 2^32. */
-    void (*add_low_bits)(int32_t *low, const uint32_t *sums, const int32_t *first,
+    /* Planes of x, y, z and weight of n texels mod 2^32, NTP__BLOCK apart, from integers below 2^51. */
+    void (*add_low_bits)(int32_t *low, const double *sums, const int32_t *first,
                          const ntp__span_of_taps *span, const int32_t *weight, int32_t stride,
                          int32_t n);
 } ntp__resize_kernels;

@@ -217,24 +217,6 @@ static bool overshot(const ntp__resize_job *j, const sources *from, int32_t i, i
            !(from->any.negative && any_negative(j, from->rows, i, y));
 }
 
-/* Planes of x, y, z and weight of n texels from texel i on, mod 2^32. */
-static void sum_low_bits(const ntp__resize_job *j, int32_t *low, int32_t i, int32_t n)
-{
-    const ntp__strip *s = j->strip;
-    const ntp__axis *axis = &j->plan->x;
-    uint32_t part[4 * PADDED];
-    const int32_t end = 4 * (s->at[i + n - 1] + s->taps_x);
-    for (int32_t k = 4 * s->at[i]; k < end; k++) {
-        /* The last bits of this are those of an integer below 2^51. */
-        const double c = s->sums[k] + 0x1.8p52;
-        uint64_t bits;
-        memcpy(&bits, &c, sizeof bits);
-        part[k] = (uint32_t) bits;
-    }
-    loops()->add_low_bits(low, part, &s->at[i], axis->span + s->x0 + i,
-                          axis->weight + (ptrdiff_t) (s->x0 + i) * axis->stride, axis->stride, n);
-}
-
 /*
  * n vectors, of texels at[0].. (NULL: all), and what is to be done about them; returns how many are
  * inexact.  Of what is not known to be other than 0, the last 32 bits are all.
@@ -246,20 +228,29 @@ static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t 
                              double *total, const sources *from, const int32_t *at, int32_t n,
                              int32_t row)
 {
-    const double error = j->most < 0x1p53 ? 0 : j->most * (j->strip->taps_x + 1) * 0x1p-53;
+    const ntp__strip *s = j->strip;
+    const ntp__axis *axis = &j->plan->x;
+    const double error = j->most < 0x1p53 ? 0 : j->most * (s->taps_x + 1) * 0x1p-53;
     /* A component over the length is off by 2^-33, as kernels.h says. */
     const double least = error * error * 0x1p66;
     double *const c[4] = { v->c[0], v->c[1], v->c[2], total };
-    int32_t low[4][NTP__BLOCK], small = 0, found = 0;
+    int32_t low[4][NTP__BLOCK], found = 0;
+    bool small = false;
     for (int32_t q = 0; error > 0 && q < 4; q++) {
-        for (int32_t k = 0; k < n; k++)
-            small |= fabs(c[q][k]) <= error;
+        for (int32_t k = 0; !small && k < n; k++)
+            small = fabs(c[q][k]) <= error;
     }
-    for (int32_t k = 0; small && k < n; k += at == NULL ? n : 1)
-        sum_low_bits(j, &low[0][k], at == NULL ? 0 : at[k], at == NULL ? n : 1);
+    for (int32_t k = 0, end = at == NULL ? 1 : n; small && k < end; k++) {
+        const int32_t i = at == NULL ? 0 : at[k];
+        loops()->add_low_bits(&low[0][k], s->sums, &s->at[i], axis->span + s->x0 + i,
+                              axis->weight + (ptrdiff_t) (s->x0 + i) * axis->stride, axis->stride,
+                              at == NULL ? n : 1);
+    }
     for (int32_t q = 0; small && q < 4; q++) {
-        for (int32_t k = 0; k < n; k++)
-            c[q][k] = fabs(c[q][k]) <= error ? low[q][k] : c[q][k];
+        for (int32_t k = 0; k < n; k++) {
+            if (fabs(c[q][k]) <= error)
+                c[q][k] = low[q][k];
+        }
     }
     for (int32_t k = 0; k < n; k++) {
         const double x = c[0][k], y = c[1][k], z = c[2][k], square = x * x + y * y + z * z;

@@ -3,7 +3,7 @@
  * directions_tmpl.h - vectors of any length to levels, fast; a part of kernels.c
  *
  * With M + 1 even, the level floor((M + 1 + M x/L)/2) is (M + 1)/2 + floor(M x/2L).  M |x|/2L is
- * taken in double, in units of 2^-15.  That is at most 2^30, and wrong by much less than a unit.
+ * taken in double, in units of 2^-15.  That is at most 2^30, and wrong by less than half a unit.
  * So only where the fraction is 0 or the last one below 1 can the floor be wrong.
  *
  * Of 8 bit, floats come first.  With u = 2^-24 the components and the sum of their squares are

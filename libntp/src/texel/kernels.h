@@ -241,7 +241,7 @@ enum {
 
 /*
  * The levels of vectors over their lengths: r and g rounded half up, b derived, in the standard
- * encoding with the sign of z.  Each component is off by at most 2^-40 of the length.  `exact`: the
+ * encoding with the sign of z.  Each component is off by at most 2^-33 of the length.  `exact`: the
  * signs of x, y are right, also 0; else they may be wrong where a component is that small.  The
  * sign of z is right.  Components are 0, or from 2^-149 to 2^127 in size.  A vector of length 0 is
  * flat.  doubt[i] says why levels are not known, else 0; returns what any of them says.  Levels and
