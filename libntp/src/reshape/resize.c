@@ -323,28 +323,20 @@ static void columns_of(int32_t *first, int32_t *end, const ntp__axis *axis, int3
     }
 }
 
-static ntp__i128 sum_of(const ntp__vectors *v, int32_t k, int32_t i)
-{
-    return ntp__i128_of((int64_t) v->c[k][i]);
-}
-
-/* Does texels of row y in doubt again, from their vectors if these are integers, or from the sums of their
- * columns.  The n texels are at[0].. of the strip (NULL: all). */
+/* Does texels in doubt again, from their vectors if these are integers, or from exact ones.  The n texels are
+ * at[0].. of the strip (NULL: all). */
 static void settle_strip(const job *j, ntp__block *out, const ntp__vectors *v, const int32_t *doubt,
-                         const int32_t *inexact, const int32_t *at, int32_t n, int32_t x0,
-                         int32_t y)
+                         const int32_t *inexact, const int32_t *at, int32_t n)
 {
     for (int32_t i = 0; i < n; i++) {
-        const int32_t k = at == NULL ? i : at[i];
+        ntp__i128 sum[3];
         if ((doubt[i] | inexact[i]) == 0)
             continue;
-        if (j->most < 0x1p53) {
-            put_direction(j, out, i,
-                          (ntp__i128[3]) { sum_of(v, 0, i), sum_of(v, 1, i), sum_of(v, 2, i) });
-        } else {
-            ntp__strip_columns(j, k, y);
-            resize_texel(j, out, i, x0 + k);
-        }
+        for (int32_t k = 0; k < 3 && j->most < 0x1p53; k++)
+            sum[k] = ntp__i128_of((int64_t) v->c[k][i]);
+        if (j->most >= 0x1p53)
+            ntp__strip_exactly(j, sum, v, i, at == NULL ? i : at[i]);
+        put_direction(j, out, i, sum);
     }
 }
 
@@ -365,7 +357,7 @@ static void resize_strip_row(const job *j, const ntp_rect *strip, int32_t y)
         at = NULL;
     }
     if (ntp__block_directions(&out, doubt, &v, n, j->m, j->src->encoding, true) || any)
-        settle_strip(j, &out, &v, doubt, inexact, at, n, x0, y);
+        settle_strip(j, &out, &v, doubt, inexact, at, n);
     if (at == NULL)
         ntp__store_levels(j->dst, &out, x0, y, n);
     for (int32_t i = 0; at != NULL && i < n; i++) {

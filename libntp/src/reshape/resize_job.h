@@ -53,8 +53,10 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1);
  * how many. */
 int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *inexact, int32_t y);
 
-/* After that, or after ntp__strip_packed, the sums of the columns of texel i of the strip for row y, in j->quick. */
-void ntp__strip_columns(const ntp__resize_job *j, int32_t i, int32_t y);
+/* After that, or after ntp__strip_packed, where sums are beyond 2^53: vector k, that of texel i of the strip, as it is
+ * exactly. */
+void ntp__strip_exactly(const ntp__resize_job *j, ntp__i128 sum[3], const ntp__vectors *v,
+                        int32_t k, int32_t i);
 
 /* Row y as packed pixels.  Returns how many of them are not decided, texels at[0].. of the
  * strip, with their vectors; below 0: no pixel is, and ntp__strip_vectors is the other way. */

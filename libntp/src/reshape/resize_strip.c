@@ -435,19 +435,22 @@ int32_t ntp__strip_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t *i
     return judge_vectors(j, v, inexact, total, &from, NULL, s->n, y);
 }
 
-void ntp__strip_columns(const ntp__resize_job *j, int32_t i, int32_t y)
+void ntp__strip_exactly(const ntp__resize_job *j, ntp__i128 sum[3], const ntp__vectors *v,
+                        int32_t k, int32_t i)
 {
+    enum { LIFT = 65536 }; /* makes the upper half positive, so that a cast is a floor */
     const ntp__strip *s = j->strip;
-    sources from;
-    find_sources(j, &from, y);
-    const int32_t end = s->at[i] + j->plan->x.span[s->x0 + i].count;
-    for (int32_t c = s->at[i]; c < end; c++) {
-        const int32_t x = ntp__axis_map(&j->plan->x, s->first + c);
-        int32_t below = 0;
-        for (int32_t t = 0; from.any.negative && t < from.taps; t++)
-            below |= (from.weight[t] != 0) & is_below(s, from.rows[t], c);
-        for (int32_t k = SUM_X; k <= SUM_WEIGHT; k++)
-            j->quick[k][x] = s->sums[4 * c + k];
-        j->quick[SUM_NEGATIVE][x] = below;
+    const double *weight = s->weight + i * s->taps_x;
+    for (int32_t c = 0; c < 3; c++) {
+        const double *column = s->sums + 4 * s->at[i] + c;
+        uint64_t low = 0;
+        for (int32_t t = 0; t < s->taps_x; t++, column += 4)
+            low += (uint64_t) (int64_t) weight[t] * (uint64_t) (int64_t) *column;
+        /* The vector is off by much less than half of 2^64. */
+        const double high = (v->c[c][k] - (double) low) * 0x1p-64;
+        sum[c].lo = low;
+        sum[c].hi = (uint64_t) ((int64_t) (high + LIFT + 0.5) - LIFT);
+        if (v->c[c][k] == 0) /* or overshot */
+            sum[c] = ntp__i128_of(0);
     }
 }
