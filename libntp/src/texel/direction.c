@@ -43,39 +43,18 @@ void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int
 uint64_t ntp__pull_directions(ntp__block *out, int32_t *doubt, const ntp__vectors *v, int32_t n,
                               int32_t m, bool zzero)
 {
-    enum { MANY = 8 }; /* for which loops are quicker */
-    int32_t at[NTP__BLOCK], few[3][NTP__BLOCK], unsure[NTP__BLOCK], found = 0;
+    uint64_t found = 0;
     for (int32_t i = 0; i < n; i++) {
-        if (doubt[i] == NTP__OVERLONG)
-            at[found++] = i;
+        if (doubt[i] != NTP__OVERLONG)
+            continue;
+        int32_t *const r = &out->c[0][i], *const g = &out->c[1][i];
+        ntp__pull_rounded(r, g, m);
+        const int32_t b = ntp__derive(r, g, m, zzero);
+        out->c[2][i] = !zzero && v->c[2][i] < 0 ? m - b : b;
+        doubt[i] = 0;
+        found++;
     }
-    if (found == 0)
-        return 0;
-    /* The loops do whole lanes. */
-    for (int32_t i = found; i % NTP__KERNEL_LANES != 0; i++)
-        few[0][i] = few[1][i] = 0;
-    for (int32_t i = 0; i < found; i++) {
-        few[0][i] = out->c[0][at[i]];
-        few[1][i] = out->c[1][at[i]];
-    }
-    const ntp__kernels_table *loops = ntp__kernels(NTP__CPU_ALL);
-    if (found >= MANY) {
-        loops->pull(few[0], few[1], unsure, found, m);
-        loops->derive(few[2], few[0], few[1], found, m, zzero);
-    }
-    for (int32_t i = 0; i < found; i++) {
-        int32_t *const r = &out->c[0][at[i]], *const g = &out->c[1][at[i]];
-        int32_t b = few[2][i];
-        if (found < MANY || unsure[i]) {
-            b = ntp__derive(r, g, m, zzero);
-        } else {
-            *r = few[0][i];
-            *g = few[1][i];
-        }
-        out->c[2][at[i]] = !zzero && v->c[2][at[i]] < 0 ? m - b : b;
-        doubt[at[i]] = 0;
-    }
-    return (uint64_t) found;
+    return found;
 }
 
 bool ntp__block_directions(ntp__block *out, int32_t *doubt, ntp__vectors *v, int32_t n, int32_t m,

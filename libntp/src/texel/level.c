@@ -36,3 +36,22 @@ void ntp__pull(int32_t *r, int32_t *g, int32_t m)
     *r = ntp__level(x < 0 ? -px : px, m);
     *g = ntp__level(y < 0 ? -py : py, m);
 }
+
+/*
+ * In each coordinate the pair is at most half a level from the disc, so (|X|, |Y|) is no longer than M + sqrt(2), and
+ * its projection is less than 2 away in each.  Of the four pairs around that, the greatest is the pair itself,
+ * outside, and the least is one level off in both coordinates.  Of the other two, that off in the lesser coordinate
+ * reaches farther.
+ */
+void ntp__pull_rounded(int32_t *r, int32_t *g, int32_t m)
+{
+    const int32_t x = ntp__num(*r, m), y = ntp__num(*g, m), ax = ntp__abs(x), ay = ntp__abs(y);
+    const int64_t rest = ntp__rest(*r, *g, m);
+    /* one level off |X| adds 4 |X| - 4 to S */
+    const bool fits_r = ax != ay && rest + 4 * (int64_t) (ax - 1) >= 0,
+               fits_g = ax != ay && rest + 4 * (int64_t) (ay - 1) >= 0;
+    if (!fits_g || (fits_r && ax < ay))
+        *r -= x > 0 ? 1 : -1;
+    if (!fits_r || (fits_g && ay < ax))
+        *g -= y > 0 ? 1 : -1;
+}

@@ -77,6 +77,9 @@ static inline int32_t ntp__blue_of_rest(int64_t s, int32_t m, bool zzero)
  * takes the one on the disc that reaches farthest in its direction. */
 void ntp__pull(int32_t *r, int32_t *g, int32_t m);
 
+/* The same of a pair that is too long only as the x and y of a vector of length 1 were rounded. */
+void ntp__pull_rounded(int32_t *r, int32_t *g, int32_t m);
+
 /* The blue derived from r, g.  If they are too long, they are pulled first. */
 static inline int32_t ntp__derive(int32_t *r, int32_t *g, int32_t m, bool zzero)
 {
