@@ -228,24 +228,19 @@ ONE_COPY static uint32_t keep_base(texels *t, const planes *p, int32_t i, const 
     return (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(kept));
 }
 
-/* Pulls those of eight rounded pairs that are too long, as level.c says; *e becomes what is right for the
- * result.  One off a size q, a pair's a or -1 - a, adds 2q to e. */
-static inline __m256i pulled(__m256i pair, __m256i *e)
+static inline __m256i rest_of_pair(__m256i pair, const constants *c)
 {
-    const __m256i ones = _mm256_set1_epi16(1), sign = _mm256_srai_epi16(pair, 15);
-    const __m256i q = _mm256_xor_si256(pair, sign);
-    const __m256i other = _mm256_or_si256(_mm256_slli_epi32(q, 16), _mm256_srli_epi32(q, 16));
-    const __m256i low = _mm256_madd_epi16(_mm256_min_epi16(q, other), ones);
-    const __m256i high = _mm256_madd_epi16(_mm256_max_epi16(q, other), ones);
-    /* not those that stay: the greater one, or the lesser one where this is not enough */
-    const __m256i beyond = _mm256_srai_epi32(_mm256_add_epi32(*e, low), 31);
-    const __m256i far = _mm256_srai_epi32(_mm256_add_epi32(*e, high), 31);
-    const __m256i stays =
-        _mm256_blendv_epi8(_mm256_cmpgt_epi16(q, other),
-                           _mm256_andnot_si256(far, _mm256_cmpgt_epi16(other, q)), beyond);
-    const __m256i off = _mm256_andnot_si256(stays, _mm256_srai_epi32(*e, 31));
-    *e = _mm256_sub_epi32(*e, _mm256_slli_epi32(_mm256_madd_epi16(off, q), 1));
-    return _mm256_xor_si256(_mm256_add_epi16(q, off), sign);
+    return _mm256_sub_epi32(_mm256_set1_epi32(c->deep ? REST_16 : REST_8), sum_of_pair(pair));
+}
+
+/* Pulls those of eight rounded pairs that are too long, whose e is negative: as level.c says, none is more than
+ * (1, 1) above the least of the four. */
+static inline __m256i pulled(__m256i pair, __m256i *e, const constants *c)
+{
+    const __m256i sign = _mm256_srai_epi16(pair, 15), q = _mm256_xor_si256(pair, sign);
+    const __m256i to = _mm256_blendv_epi8(q, onto_disc(q, q, c->deep), _mm256_srai_epi32(*e, 31));
+    *e = rest_of_pair(to, c);
+    return _mm256_xor_si256(to, sign);
 }
 
 /* Eight texels with their blue; *bits: those that are left. */
@@ -253,9 +248,9 @@ static ALWAYS_INLINE texels finished(const planes *p, int32_t i, const constants
 {
     const __m256i zero = _mm256_set1_epi32((c->m + 1) / 2);
     __m256i pair = load_ints(p->pair + i);
-    __m256i e = _mm256_sub_epi32(_mm256_set1_epi32(c->deep ? REST_16 : REST_8), sum_of_pair(pair));
+    __m256i e = rest_of_pair(pair, c);
     if (_mm256_movemask_ps(_mm256_castsi256_ps(e)) != 0)
-        pair = pulled(pair, &e);
+        pair = pulled(pair, &e, c);
     const __m256i z = _mm256_castps_si256(_mm256_loadu_ps(p->v[2] + i));
     const __m256i down = _mm256_srai_epi32(z, 31);
     const texels t = { _mm256_add_epi16(pair, _mm256_or_si256(zero, _mm256_slli_epi32(zero, 16))),

@@ -26,6 +26,30 @@ static inline __m256i rest_of(__m256i rg, bool deep)
     return _mm256_add_epi32(_mm256_set1_epi32(deep ? REST_16 : REST_8), _mm256_madd_epi16(a, c));
 }
 
+/*
+ * Of eight pairs of sizes (|X| + 1)/2, which are (1, 1) above the least of four around a projection, the one that pull
+ * takes, as (|X| - 1)/2: the greater one of |X| and |Y| grows by one where it can, else the lesser one.  `from`
+ * has these as (|X| - 1)/2 before; where they are equal, none grows.
+ */
+static inline __m256i onto_disc(__m256i sizes, __m256i from, bool deep)
+{
+    const __m256i other =
+        _mm256_or_si256(_mm256_slli_epi32(sizes, 16), _mm256_srli_epi32(sizes, 16));
+    const __m256i beside =
+        _mm256_or_si256(_mm256_slli_epi32(from, 16), _mm256_srli_epi32(from, 16));
+    const __m256i ones = _mm256_set1_epi16(1), least = _mm256_sub_epi16(sizes, ones);
+    /* e of the least pair; a size that grows takes 2 of itself off */
+    const __m256i e = _mm256_sub_epi32(_mm256_set1_epi32(deep ? REST_16 : REST_8),
+                                       _mm256_madd_epi16(sizes, least));
+    const __m256i low = _mm256_madd_epi16(_mm256_min_epi16(sizes, other), ones);
+    const __m256i high = _mm256_madd_epi16(_mm256_max_epi16(sizes, other), ones);
+    const __m256i stops = _mm256_cmpgt_epi32(high, e), ends = _mm256_cmpgt_epi32(low, e);
+    const __m256i grows =
+        _mm256_blendv_epi8(_mm256_cmpgt_epi16(from, beside),
+                           _mm256_andnot_si256(ends, _mm256_cmpgt_epi16(beside, from)), stops);
+    return _mm256_sub_epi16(least, grows);
+}
+
 /* floor(sqrt(e)), any number where e is negative; as in root30.h.  Roots of 16 bits are below 2^15, or are
  * 2^15 by rounding: pmaddwd squares that correctly too, although a signed word reads it as -2^15.
  * The root of e < 2^14 (not deep) is more than 2^-8 below a whole number, so the float is never one

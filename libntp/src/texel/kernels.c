@@ -115,6 +115,8 @@ static uint64_t clean_rgb8_slowly(uint8_t *dst, const uint8_t *src, size_t n, co
 #ifdef __AVX2__
 #  include "texel/find_four_tmpl.h"
 
+#  include "texel/packed_avx2_tmpl.h"
+
 #  include <immintrin.h>
 
 /* The places i to i + 3 of which the mask has a bit; returns how many.  Branches would be taken at
@@ -346,18 +348,21 @@ static inline int32_t whole_lanes(int32_t n)
 
 #ifdef __AVX2__
 static int32_t derive_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
-                            int32_t *at, uint64_t *changed)
+                            uint32_t touch_unused, int32_t *at, uint64_t *changed)
 {
+    const unused_blues ends = blues_of_unused(65535, touch_unused);
     uint64_t others = 0;
-    int32_t found = 0;
+    int32_t found = 0, left = 0;
     for (int32_t i = 0; i < n; i += CLEAN16_STEP) {
-        const int left = zzero ? derive16_step(dst + 3 * i, src + 3 * i, true, &others)
-                               : derive16_step(dst + 3 * i, src + 3 * i, false, &others);
-        found += find_four(at + found, i, left & 15);
-        found += find_four(at + found, i + 4, left >> 4);
+        const int longs = zzero ? derive16_step(dst + 3 * i, src + 3 * i, true, &ends, &others)
+                                : derive16_step(dst + 3 * i, src + 3 * i, false, &ends, &others);
+        found += find_four(at + found, i, longs & 15);
+        found += find_four(at + found, i + 4, longs >> 4);
     }
-    *changed += others;
-    return found;
+    if (found > 0)
+        left = pull_pixels(dst, at, found, zzero != 0);
+    *changed += others + (uint64_t) (found - left);
+    return left;
 }
 #else
 #  define derive_rgb16 NULL

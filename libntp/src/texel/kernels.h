@@ -43,11 +43,11 @@ typedef int32_t ntp__clean16_fn(uint16_t *dst, const uint16_t *src, int32_t n, i
  * than 2 NTP__KERNEL_STEP pixels to the caller. */
 typedef int32_t ntp__derive8_fn(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t *changed);
 
-/* Derives the blue of packed 16-bit pixels, n <= 256 and a multiple of NTP__KERNEL_STEP.  Those whose
- * pairs are too long stay as they are; `at` has their places, and the result is how many these are.
- * `changed` counts others.  dst may be src. */
+/* Derives the blue of packed 16-bit pixels, n <= 256 and a multiple of NTP__KERNEL_STEP, and pulls pairs that are
+ * too long.  Unused ones stay as they are, and those where the kernel is in doubt how to pull: `at` has the places
+ * of the latter, and the result is how many these are.  `changed` counts others.  dst may be src. */
 typedef int32_t ntp__derive16_fn(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
-                                 int32_t *at, uint64_t *changed);
+                                 uint32_t touch_unused, int32_t *at, uint64_t *changed);
 
 /* want[i] = the blue derived from r, g; -1 where they are too long. */
 typedef void ntp__derive_fn(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
@@ -276,10 +276,10 @@ typedef int32_t ntp__normalize_fn(int32_t *const to[3], int32_t *doubt, int32_t 
                                   int32_t n, int32_t m, int32_t low, int32_t *changed);
 
 /* The same of whole steps of packed pixels, n <= 256, where all blues below the middle are mirrored.
- * Pixels that are in doubt, or may be black or white, stay as they are; `at` has their places, and the
- * result is how many these are.  `changed` counts others.  dst may be src. */
-typedef int32_t ntp__normalize_rgb_fn(void *dst, const void *src, int32_t n, int32_t *at,
-                                      uint64_t *changed);
+ * Unused pixels stay as they are, and those in doubt; `at` has the places of the latter, and the result is how
+ * many these are.  `changed` counts others.  dst may be src. */
+typedef int32_t ntp__normalize_rgb_fn(void *dst, const void *src, int32_t n, uint32_t touch_unused,
+                                      int32_t *at, uint64_t *changed);
 
 /* Copies the colors of n packed RGBA pixels, a multiple of four, to packed RGB; dst: from there, and the rest from
  * src.  Where an alpha of 0 makes a pixel unused, rgb gets a flat color, and dst that of src.  rgb has room for

@@ -127,9 +127,22 @@ static ALWAYS_INLINE __m512i packed_levels(__m512i r, __m512i g, __m512i b, bool
                                         deep ? 0xc30c30c30c30 : 0x924924924924, from, b);
 }
 
+/* The sums of the halves of numerators of black and of white, between which those of other colors are; where all
+ * are used, more than that. */
+typedef struct ends {
+    double black, white;
+} ends;
+
+static ALWAYS_INLINE ends ends_of(uint32_t touch_unused, bool deep)
+{
+    const double sum = deep ? 1.5 * 65535 : 1.5 * 255;
+    return (ends) { touch_unused & NTP_UNUSED_BLACK ? -2 * sum : -sum,
+                    touch_unused & NTP_UNUSED_WHITE ? 2 * sum : sum };
+}
+
 /* Factors that make halves of numerators those of unit vectors.  1 for texels that are rounded already,
- * and 0 for corners of the cube, which so are in doubt. */
-static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], bool deep)
+ * and 0 for unused ones, which so are in doubt. */
+static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], uint32_t used, bool deep)
 {
     const double m = deep ? 65535 : 255;
     const __m512i squares =
@@ -142,16 +155,17 @@ static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], bool deep)
     const __m512i by =
         deep ? fused(minus_e, of(0.375, deep), of(-0.5, deep), deep) : of(-0.5, deep);
     const __m512i scaled = times(y, of(m / 2, deep), deep);
-    const uint32_t inside = is_below(squares, of(3 * m * m / 4, deep), deep);
     const uint32_t rounded = is_below(off, sum_of(sizes, half, deep), deep);
-    const __m512i factor = fused_where(inside, times(scaled, minus_e, deep), by, scaled, deep);
+    const __m512i factor = fused_where(used, times(scaled, minus_e, deep), by, scaled, deep);
     return deep ? _mm512_mask_mov_epi64(factor, (__mmask8) rounded, of(1, deep))
                 : _mm512_mask_mov_epi32(factor, (__mmask16) rounded, of(1, deep));
 }
 
-static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t n, int32_t *at,
-                                           uint64_t *changed, bool deep)
+static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t n,
+                                           uint32_t touch_unused, int32_t *at, uint64_t *changed,
+                                           bool deep)
 {
+    const ends end = ends_of(touch_unused, deep);
     const int32_t at_once = STEP_BYTES / (deep ? 6 : 3);
     const double unit = deep ? 0x1p-16 : 0x1p-15;
     const __m512i base = of((deep ? 0x1p36 + 32768 : 0x1p8 + 128) + unit, deep);
@@ -162,8 +176,11 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
         const __m512i v = load_48(s);
         __m512i x[3] = { halves_of(v, red, deep), halves_of(v, green, deep),
                          halves_of(v, blue, deep) };
+        const __m512i all = sum_of(sum_of(x[0], x[1], deep), x[2], deep);
+        const uint32_t used =
+            is_below(of(end.black, deep), all, deep) & is_below(all, of(end.white, deep), deep);
         x[2] = size_of(x[2], deep);
-        const __m512i factor = factors_of(x, deep);
+        const __m512i factor = factors_of(x, used, deep);
         for (int k = 0; k < 3; k++) {
             x[k] = fused(x[k], factor, base, deep);
             x[k] = deep ? x[k] : _mm512_slli_epi32(x[k], 1);
@@ -176,16 +193,16 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
             /* all bits where a level is taken from */
             const __m512i marks = _mm512_maskz_set1_epi16(left << 1, -1);
             const __m512i those = packed_levels(marks, marks, marks, deep);
-            const __m512i places = _mm512_maskz_compress_epi32(
-                deep ? _mm512_test_epi64_mask(marks, marks) : _mm512_test_epi32_mask(marks, marks),
-                steps_of(1, i));
+            const uint32_t doubt = used & (deep ? _mm512_test_epi64_mask(marks, marks)
+                                                : _mm512_test_epi32_mask(marks, marks));
+            const __m512i places = _mm512_maskz_compress_epi32((__mmask16) doubt, steps_of(1, i));
             now = _mm512_mask_mov_epi8(now, _mm512_movepi8_mask(those), v);
             /* No more than i places are known yet, as below. */
             _mm256_storeu_si256((void *) (at + found), _mm512_castsi512_si256(places));
             if (!deep)
                 _mm256_storeu_si256((void *) (at + found + 8),
                                     _mm512_extracti64x4_epi64(places, 1));
-            found += __builtin_popcount(left);
+            found += __builtin_popcount(doubt);
         }
         const uint64_t other =
             deep ? _mm512_cmpneq_epi16_mask(now, v) : _mm512_cmpneq_epi8_mask(now, v);
@@ -198,18 +215,18 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
     return found;
 }
 
-int32_t ntp__normalize_rgb8_avx512(void *dst, const void *src, int32_t n, int32_t *at,
-                                   uint64_t *changed)
+int32_t ntp__normalize_rgb8_avx512(void *dst, const void *src, int32_t n, uint32_t touch_unused,
+                                   int32_t *at, uint64_t *changed)
 {
-    const int32_t left = normalize_rgb(dst, src, n, at, changed, false);
+    const int32_t left = normalize_rgb(dst, src, n, touch_unused, at, changed, false);
     end_lanes();
     return left;
 }
 
-int32_t ntp__normalize_rgb16_avx512(void *dst, const void *src, int32_t n, int32_t *at,
-                                    uint64_t *changed)
+int32_t ntp__normalize_rgb16_avx512(void *dst, const void *src, int32_t n, uint32_t touch_unused,
+                                    int32_t *at, uint64_t *changed)
 {
-    const int32_t left = normalize_rgb(dst, src, n, at, changed, true);
+    const int32_t left = normalize_rgb(dst, src, n, touch_unused, at, changed, true);
     end_lanes();
     return left;
 }
@@ -230,25 +247,125 @@ static ALWAYS_INLINE __m512i blue_of(__m512i e, bool zzero)
     return _mm512_mask_add_epi32(z, above2, z, one);
 }
 
-int32_t ntp__derive_rgb16_avx512(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
-                                 int32_t *at, uint64_t *changed)
+enum { ROOM_16 = 256 + LANES_512 };
+
+/* As many_long of clean16_tmpl.h. */
+typedef struct many_long {
+    int32_t rg[ROOM_16], unit[2][ROOM_16], blue[ROOM_16];
+} many_long;
+
+/* What eight |X| and |Y| become.  The squares of X and Y have the sum 4w + 2, and roots are as those above. */
+static inline void shorten(many_long *to, int32_t first, __m256i w, __m256i x, __m256i y)
 {
-    int32_t found = 0, sum = 0;
+    const __m512i square = sum_of(_mm512_castpd_si512(_mm512_cvtepi32_pd(w)), of(0.5, true), true);
+    const __m512i r = inverse_root(square, true);
+    const __m512i minus_e = fused(times(square, r, true), r, of(-1, true), true);
+    const __m512i by = fused(minus_e, of(0.375, true), of(-0.5, true), true);
+    const __m512i scaled = times(r, of(65535 * 65536.0 / 4, true), true);
+    const __m512d factor =
+        _mm512_castsi512_pd(fused(times(scaled, minus_e, true), by, scaled, true));
+    _mm256_storeu_si256((void *) (to->unit[0] + first),
+                        _mm512_cvtpd_epi32(_mm512_mul_pd(_mm512_cvtepi32_pd(x), factor)));
+    _mm256_storeu_si256((void *) (to->unit[1] + first),
+                        _mm512_cvtpd_epi32(_mm512_mul_pd(_mm512_cvtepi32_pd(y), factor)));
+}
+
+static inline void shorten_sixteen(many_long *to, int32_t first)
+{
+    const __m512i rg = _mm512_loadu_si512(to->rg + first), one = _mm512_set1_epi32(1);
+    const __m512i p = _mm512_xor_si512(rg, _mm512_set1_epi16(-32768));
+    const __m512i q = _mm512_xor_si512(p, _mm512_srai_epi16(p, 15)), twice = _mm512_add_epi16(q, q);
+    const __m512i x = _mm512_or_si512(_mm512_and_si512(twice, _mm512_set1_epi32(65535)), one);
+    const __m512i y = _mm512_or_si512(_mm512_srli_epi32(twice, 16), one);
+    const __m512i w = _mm512_sub_epi32(_mm512_set1_epi32(REST_16), rest_of(rg, true));
+    shorten(to, first, _mm512_castsi512_si256(w), _mm512_castsi512_si256(x),
+            _mm512_castsi512_si256(y));
+    shorten(to, first + 8, _mm512_extracti64x4_epi64(w, 1), _mm512_extracti64x4_epi64(x, 1),
+            _mm512_extracti64x4_epi64(y, 1));
+}
+
+/* As pull_eight. */
+static inline void pull_sixteen(many_long *to, int32_t first, bool zzero)
+{
+    const __m512i flip = _mm512_set1_epi16(-32768), half = _mm512_set1_epi32(32768);
+    const __m512i p = _mm512_xor_si512(_mm512_loadu_si512(to->rg + first), flip);
+    const __m512i sign = _mm512_srai_epi16(p, 15), last = _mm512_set1_epi32(65535);
+    const __m512i q = _mm512_xor_si512(p, sign);
+    const __m512i u =
+        _mm512_min_epu32(_mm512_add_epi32(_mm512_loadu_si512(to->unit[0] + first), half),
+                         _mm512_or_si512(_mm512_slli_epi32(q, 16), last));
+    const __m512i v = _mm512_min_epu32(
+        _mm512_add_epi32(_mm512_loadu_si512(to->unit[1] + first), half), _mm512_or_si512(q, last));
+    const __m512i sizes = _mm512_mask_mov_epi16(_mm512_srli_epi32(u, 16), 0xaaaaaaaa, v);
+    const __m512i size = onto_disc(sizes, q);
+    const __m512i rg = _mm512_xor_si512(size, _mm512_xor_si512(sign, flip));
+    const __mmask16 doubt = _mm512_testn_epi32_mask(u, last) | _mm512_testn_epi32_mask(v, last);
+    _mm512_storeu_si512(to->rg + first, rg);
+    _mm512_storeu_si512(to->blue + first, _mm512_mask_mov_epi32(blue_of(rest_of(rg, true), zzero),
+                                                                doubt, _mm512_set1_epi32(-1)));
+}
+
+/* Pulls the found pairs of a block, of which pixels have a bit in `which`.  Returns how many are in doubt. */
+static int32_t pull_pixels(uint16_t *dst, many_long *v, int32_t found, const __mmask16 *which,
+                           int32_t n, bool zzero, int32_t *at)
+{
+    int32_t left = 0, done = 0;
+    for (int32_t i = 0; i < found; i += LANES_512)
+        shorten_sixteen(v, i);
+    for (int32_t i = 0; i < found; i += LANES_512)
+        pull_sixteen(v, i, zzero);
+    for (int32_t i = 0; i < n; i += LANES_512) {
+        const __mmask16 longs = which[i / LANES_512];
+        if (longs == 0)
+            continue;
+        const texels t = take16((const uint8_t *) (dst + 3 * i));
+        const __m512i blue = _mm512_maskz_expand_epi32(longs, _mm512_loadu_si512(v->blue + done));
+        const __m512i rg = _mm512_maskz_expand_epi32(longs, _mm512_loadu_si512(v->rg + done));
+        const __mmask16 doubt = _mm512_cmplt_epi32_mask(blue, _mm512_setzero_si512()),
+                        sure = longs & (__mmask16) ~doubt;
+        put16((uint8_t *) (dst + 3 * i), (texels) { _mm512_mask_mov_epi32(t.rg, sure, rg),
+                                                    _mm512_mask_mov_epi32(t.b, sure, blue) });
+        /* No more than i places are known yet: there is room for as many as texels are looked at. */
+        _mm512_storeu_si512(at + left, _mm512_maskz_compress_epi32(doubt, steps_of(1, i)));
+        left += __builtin_popcount(doubt);
+        done += __builtin_popcount(longs);
+    }
+    return left;
+}
+
+int32_t ntp__derive_rgb16_avx512(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
+                                 uint32_t touch_unused, int32_t *at, uint64_t *changed)
+{
+    const __m512i zero = _mm512_setzero_si512();
+    const __m512i black = _mm512_set1_epi32(touch_unused & NTP_UNUSED_BLACK ? -1 : 0);
+    const __m512i white = _mm512_set1_epi32(touch_unused & NTP_UNUSED_WHITE ? -1 : 65535);
+    many_long v;
+    __mmask16 which[256 / LANES_512];
+    int32_t found = 0, sum = 0, left = 0;
     for (int32_t i = 0; i < n; i += LANES_512) {
         const texels t = take16((const uint8_t *) (src + 3 * i));
         const __m512i e = rest_of(t.rg, true), blue = blue_of(e, zzero != 0);
-        const __mmask16 fits = _mm512_cmpge_epi32_mask(e, _mm512_setzero_si512());
-        const uint32_t left = fits ^ 0xffffU;
+        const __mmask16 fits = _mm512_cmpge_epi32_mask(e, zero);
+        __mmask16 longs = (__mmask16) ~fits;
         sum += __builtin_popcount(_mm512_mask_cmpneq_epi32_mask(fits, blue, t.b));
         put16((uint8_t *) (dst + 3 * i), (texels) { t.rg, _mm512_mask_mov_epi32(t.b, fits, blue) });
-        /* No more than i places are known yet: there is room for as many as texels are looked at. */
-        _mm512_storeu_si512(at + found,
-                            _mm512_maskz_compress_epi32((__mmask16) left, steps_of(1, i)));
-        found += __builtin_popcount(left);
+        if (longs != 0) {
+            const __mmask16 low = _mm512_mask_cmpeq_epi32_mask(longs, t.rg, zero),
+                            high = _mm512_mask_cmpeq_epi32_mask(longs, t.rg, _mm512_set1_epi32(-1));
+            longs &= (__mmask16) ~(_mm512_mask_cmpeq_epi32_mask(low, t.b, black) |
+                                   _mm512_mask_cmpeq_epi32_mask(high, t.b, white));
+            _mm512_storeu_si512(v.rg + found, _mm512_maskz_compress_epi32(longs, t.rg));
+            found += __builtin_popcount(longs);
+        }
+        which[i / LANES_512] = longs;
+    }
+    if (found > 0) {
+        left = pull_pixels(dst, &v, found, which, n, zzero != 0, at);
+        sum += found - left;
     }
     *changed += (uint64_t) sum;
     end_lanes();
-    return found;
+    return left;
 }
 
 /* ------------------------------------------------------------------ flags */

@@ -34,16 +34,10 @@ typedef struct deep_pixels {
 
 static inline deep_pixels take_deep(const uint8_t *src)
 {
-    const __m256i low = load_two(src, src + 24), high = load_two(src + 8, src + 32);
-    const __m256i rg =
-        _mm256_or_si256(SHUFFLE(low, 0, 1, 2, 3, 6, 7, 8, 9, N, N, N, N, N, N, N, N),
-                        SHUFFLE(high, N, N, N, N, N, N, N, N, 4, 5, 6, 7, 10, 11, 12, 13));
-    const __m256i b =
-        _mm256_or_si256(SHUFFLE(low, 4, 5, N, N, 10, 11, N, N, N, N, N, N, N, N, N, N),
-                        SHUFFLE(high, N, N, N, N, N, N, N, N, 8, 9, N, N, 14, 15, N, N));
-    const __m256i a = _mm256_xor_si256(rg, _mm256_set1_epi16(-32768));
-    const __m256i z = _mm256_sub_epi32(b, _mm256_set1_epi32(32768));
-    const deep_pixels t = { rg, b, _mm256_xor_si256(a, _mm256_srai_epi16(a, 15)),
+    const texels v = take16(src);
+    const __m256i a = _mm256_xor_si256(v.rg, _mm256_set1_epi16(-32768));
+    const __m256i z = _mm256_sub_epi32(v.b, _mm256_set1_epi32(32768));
+    const deep_pixels t = { v.rg, v.b, _mm256_xor_si256(a, _mm256_srai_epi16(a, 15)),
                             _mm256_xor_si256(z, _mm256_srai_epi32(z, 31)) };
     return t;
 }
@@ -122,33 +116,31 @@ static inline void divide(deep_planes *to, int32_t n)
 
 /* Eight pixels; see normalize_group.  A bit for each of the result. */
 static inline uint32_t normalize_eight(uint8_t *dst, const deep_planes *planes, int32_t i,
-                                       __m256i *same)
+                                       const unused_blues *ends, __m256i *same)
 {
     const __m256i pq = load_plane(planes->pq + i), s = load_plane(planes->s + i);
     const __m256i b = load_plane(planes->b + i), rounded = load_plane(planes->rounded + i);
     const __m256i u[3] = { load_plane(planes->unit[0] + i), load_plane(planes->unit[1] + i),
                            load_plane(planes->unit[2] + i) };
-    const __m256i keep = _mm256_or_si256(_mm256_andnot_si256(rounded, near_levels(u)),
-                                         _mm256_cmpeq_epi32(pq, _mm256_set1_epi32(0x7fff7fff)));
+    const __m256i sign = load_plane(planes->sign + i);
+    const texels was = { _mm256_xor_si256(pq, sign), b };
+    const __m256i unused = unused_of(was, ends);
+    const __m256i doubt = _mm256_andnot_si256(_mm256_or_si256(rounded, unused), near_levels(u));
+    const __m256i keep = _mm256_or_si256(doubt, unused);
     const __m256i to_pq = choose(_mm256_blend_epi16(_mm256_srli_epi32(u[0], 16), u[1], 0xaa), pq,
                                  _mm256_or_si256(rounded, keep));
     const __m256i to_s = choose(_mm256_srli_epi32(u[2], 16), s, rounded);
-    const __m256i to_rg = _mm256_xor_si256(to_pq, load_plane(planes->sign + i));
     const __m256i to_b = choose(_mm256_add_epi32(to_s, _mm256_set1_epi32(32768)), b, keep);
     *same = _mm256_add_epi32(
         *same, _mm256_and_si256(_mm256_cmpeq_epi32(to_pq, pq), _mm256_cmpeq_epi32(to_b, b)));
-    store_two(dst, dst + 24,
-              _mm256_or_si256(SHUFFLE(to_rg, 0, 1, 2, 3, N, N, 4, 5, 6, 7, N, N, 8, 9, 10, 11),
-                              SHUFFLE(to_b, N, N, N, N, 0, 1, N, N, N, N, 4, 5, N, N, N, N)));
-    store_two(dst + 8, dst + 32,
-              _mm256_or_si256(SHUFFLE(to_rg, 6, 7, N, N, 8, 9, 10, 11, N, N, 12, 13, 14, 15, N, N),
-                              SHUFFLE(to_b, N, N, 4, 5, N, N, N, N, 8, 9, N, N, N, N, 12, 13)));
-    return (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(keep));
+    put16(dst, (texels) { _mm256_xor_si256(to_pq, sign), to_b });
+    return (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(doubt));
 }
 
-static int32_t normalize_rgb16(void *dst, const void *src, int32_t n, int32_t *at,
-                               uint64_t *changed)
+static int32_t normalize_rgb16(void *dst, const void *src, int32_t n, uint32_t touch_unused,
+                               int32_t *at, uint64_t *changed)
 {
+    const unused_blues ends = blues_of_unused(65535, touch_unused);
     __m256i same = _mm256_setzero_si256();
     int32_t each[8], found = 0;
     uint8_t *d = dst;
@@ -157,7 +149,7 @@ static int32_t normalize_rgb16(void *dst, const void *src, int32_t n, int32_t *a
     sum_up(&planes, s, n);
     divide(&planes, n);
     for (int32_t i = 0; i < n; i += 8) {
-        uint32_t left = normalize_eight(d + (ptrdiff_t) 6 * i, &planes, i, &same);
+        uint32_t left = normalize_eight(d + (ptrdiff_t) 6 * i, &planes, i, &ends, &same);
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left);
     }

@@ -84,9 +84,10 @@ static inline group8 look_8(const uint8_t *src)
     return g;
 }
 
-/* Blue mirrored.  Those of the result stay as they are: in doubt, or red and green of 0 or 255, as those
- * of black and white.  A bit in both bytes of each; `same` counts what is not changed, less than 0. */
-static inline uint32_t normalize_group(uint8_t *dst, const group8 *g, __m256i *same)
+/* Blue mirrored.  Unused ones stay as they are, and those of the result, which are in doubt: a bit in both
+ * bytes of each.  `same` counts what is not changed, less than 0. */
+static inline uint32_t normalize_group(uint8_t *dst, const group8 *g, const unused_blues *ends,
+                                       __m256i *same)
 {
     const __m256i pq = g->pq, s = g->s, b = g->b, rounded = g->rounded;
     const __m256i middle = _mm256_set1_epi16(128);
@@ -94,8 +95,14 @@ static inline uint32_t normalize_group(uint8_t *dst, const group8 *g, __m256i *s
     const __m256i p = over_length(_mm256_and_si256(pq, _mm256_set1_epi16(255)), g->factor, &doubt);
     const __m256i q = over_length(_mm256_srli_epi16(pq, 8), g->factor, &doubt);
     const __m256i t = over_length(s, g->factor, &doubt);
-    const __m256i keep = _mm256_or_si256(_mm256_andnot_si256(rounded, doubt),
-                                         _mm256_cmpeq_epi16(pq, _mm256_set1_epi16(0x7f7f)));
+    const __m256i rg = _mm256_xor_si256(pq, g->sign), zero = _mm256_setzero_si256();
+    const __m256i unused = _mm256_or_si256(
+        _mm256_and_si256(_mm256_cmpeq_epi16(rg, zero),
+                         _mm256_cmpeq_epi16(b, _mm256_set1_epi16((short) ends->black))),
+        _mm256_and_si256(_mm256_cmpeq_epi16(rg, _mm256_set1_epi16(-1)),
+                         _mm256_cmpeq_epi16(b, _mm256_set1_epi16((short) ends->white))));
+    doubt = _mm256_andnot_si256(_mm256_or_si256(rounded, unused), doubt);
+    const __m256i keep = _mm256_or_si256(doubt, unused);
     const __m256i to_pq = _mm256_blendv_epi8(_mm256_or_si256(p, _mm256_slli_epi16(q, 8)), pq,
                                              _mm256_or_si256(rounded, keep));
     const __m256i to_s = _mm256_blendv_epi8(t, s, rounded);
@@ -103,11 +110,13 @@ static inline uint32_t normalize_group(uint8_t *dst, const group8 *g, __m256i *s
     *same = _mm256_add_epi16(
         *same, _mm256_and_si256(_mm256_cmpeq_epi16(to_pq, pq), _mm256_cmpeq_epi16(to_b, b)));
     store_pixels(dst, _mm256_xor_si256(to_pq, g->sign), to_b);
-    return (uint32_t) _mm256_movemask_epi8(keep);
+    return (uint32_t) _mm256_movemask_epi8(doubt);
 }
 
-static int32_t normalize_rgb8(void *dst, const void *src, int32_t n, int32_t *at, uint64_t *changed)
+static int32_t normalize_rgb8(void *dst, const void *src, int32_t n, uint32_t touch_unused,
+                              int32_t *at, uint64_t *changed)
 {
+    const unused_blues ends = blues_of_unused(255, touch_unused);
     __m256i same = _mm256_setzero_si256();
     group8 groups[MOST_8 / GROUP_8];
     int16_t each[16];
@@ -116,7 +125,8 @@ static int32_t normalize_rgb8(void *dst, const void *src, int32_t n, int32_t *at
         groups[i / GROUP_8] = look_8((const uint8_t *) src + (ptrdiff_t) 3 * i);
     for (int32_t i = 0; i < n; i += GROUP_8) {
         const group8 *g = groups + i / GROUP_8;
-        uint32_t left = normalize_group((uint8_t *) dst + (ptrdiff_t) 3 * i, g, &same) & 0x55555555;
+        uint32_t left =
+            normalize_group((uint8_t *) dst + (ptrdiff_t) 3 * i, g, &ends, &same) & 0x55555555;
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left) / 2;
     }

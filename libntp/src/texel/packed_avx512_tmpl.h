@@ -109,6 +109,22 @@ static inline __m512i rest_words(__m512i pairs)
                             _mm512_maddubs_epi16(_mm512_add_epi8(p, _mm512_set1_epi8(1)), p));
 }
 
+/* As in blue_avx2_tmpl.h. */
+static inline __m512i onto_disc(__m512i sizes, __m512i from)
+{
+    const __m512i other = _mm512_rol_epi32(sizes, 16), beside = _mm512_rol_epi32(from, 16);
+    const __m512i ones = _mm512_set1_epi16(1), least = _mm512_sub_epi16(sizes, ones);
+    const __m512i e = _mm512_sub_epi32(_mm512_set1_epi32(REST_16), _mm512_madd_epi16(sizes, least));
+    const __m512i low = _mm512_madd_epi16(_mm512_min_epi16(sizes, other), ones);
+    const __m512i high = _mm512_madd_epi16(_mm512_max_epi16(sizes, other), ones);
+    const __m512i by_lesser =
+        _mm512_mask_mov_epi16(least, _mm512_cmplt_epi16_mask(from, beside), sizes);
+    const __m512i by_greater =
+        _mm512_mask_mov_epi16(least, _mm512_cmpgt_epi16_mask(from, beside), sizes);
+    const __m512i to = _mm512_mask_mov_epi32(least, _mm512_cmple_epi32_mask(low, e), by_lesser);
+    return _mm512_mask_mov_epi32(to, _mm512_cmple_epi32_mask(high, e), by_greater);
+}
+
 /* floor(sqrt(e)), any number where e is negative. */
 static inline __m512i root_of(__m512i e, bool deep)
 {
