@@ -14,6 +14,7 @@
  * the few that it leaves are done one by one.  All others are done one by one with the arithmetic of
  * level.h.
  */
+#include "base/inlining.h"
 #include "base/view.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
@@ -377,11 +378,11 @@ static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean
 {
     const bool rgb = j->src->channels == 3, any = is_plain(j) && (rgb || j->kernels->move_colors);
     const bool by_length = any && has_length_kernel(j), derives = any && has_kernel(j);
-    const bool plain = rgb && derives;
     const bool deep = derives && j->src->type == NTP_TYPE_U16 && j->kernels->derive_rgb16 != NULL;
+    const bool plain = rgb && derives && !deep, stepped = by_length || deep;
     /* Blocks with pairs that are too long.  Where these come closely, larger ones are done without the
-     * kernel, unless there is another one for them. */
-    const int32_t least = plain && !deep ? NTP__KERNEL_STEP : NTP__BLOCK;
+     * kernel. */
+    const int32_t least = plain ? NTP__KERNEL_STEP : NTP__BLOCK;
     int32_t most = least;
     for (int32_t x = x0; x < x1;) {
         if (plain) {
@@ -390,11 +391,13 @@ static void clean_row(const job *j, int32_t x0, int32_t x1, int32_t y, ntp_clean
             most = done >= NTP__KERNEL_STEP ? least : most < NTP__BLOCK ? 2 * most : most;
         }
         int32_t n = x1 - x < most ? x1 - x : most;
-        const int32_t steps = by_length || deep ? n / NTP__KERNEL_STEP * NTP__KERNEL_STEP : 0;
+        const int32_t steps = stepped ? n / NTP__KERNEL_STEP * NTP__KERNEL_STEP : 0;
         if (steps > 0 && !rgb)
             clean_colors(j, x, y, n = steps, &counts->changed);
         else if (steps > 0)
             clean_steps(j, x, y, n = steps, &counts->changed);
+        else if (stepped && rgb)
+            clean_last(j, x, y, n, &counts->changed);
         else
             clean_block(j, x, y, n, counts);
         x += n;

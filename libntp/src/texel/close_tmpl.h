@@ -254,7 +254,7 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
     __m256i sum = _mm256_setzero_si256(), squares = sum, most = sum;
     __m256i least = eight(-1), greatest = sum;
     close_places p;
-    int32_t i = 0, texels = 0, turned = 0, left = 0;
+    int32_t i = 0, found = 0, turned = 0, left = 0;
     for (; i + 8 <= n; i += 8) {
         const __m256i r = load_eight(c[0] + i), g = load_eight(c[1] + i), b = load_eight(c[2] + i);
         close_lanes v = close_standard(r, g, b);
@@ -272,10 +272,10 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
         }
         if (any_negative(v.inexact))
             turned = note_turned(&p, turned, &v, b);
-        store_eight(p.at + texels, v.at);
-        store_eight(p.at_zz + texels, v.at_zz);
-        store_eight(p.off + texels, v.off);
-        texels += 8;
+        store_eight(p.at + found, v.at);
+        store_eight(p.at_zz + found, v.at_zz);
+        store_eight(p.off + found, v.off);
+        found += 8;
         const __m256i size = _mm256_abs_epi32(v.longer);
         sum = _mm256_add_epi32(sum, v.longer);
         squares = _mm256_add_epi32(squares, _mm256_madd_epi16(size, size));
@@ -288,7 +288,7 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
         for (int k = 0; k < 3; k++)
             c[k][left] = c[k][i];
     }
-    out->texels = texels;
+    out->texels = found;
     out->left = left;
     /* squares are below 2^27, and there are 32 */
     out->length_sum = sum_of_eight(sum);
@@ -296,7 +296,7 @@ static void count_close(ntp__close_block *out, ntp__close_counts *counts, uint32
     out->least = ~greatest_of_eight(_mm256_xor_si256(least, eight(-1)));
     out->greatest = greatest_of_eight(greatest);
     out->levels_off_max = greatest_of_eight(most);
-    count_places(counts, levels_off, &p, texels);
+    count_places(counts, levels_off, &p, found);
     for (i = turned; i % LANES != 0; i++) {
         p.xy[i] = p.blue[i] = p.want[i] = 0;
     }

@@ -276,7 +276,9 @@ static inline int32_t blue(int32_t e, int32_t k, int32_t zzero)
     return zzero ? z : k + t;
 }
 
-#include "texel/clean16_tmpl.h"
+#ifndef __AVX2__
+#  include "texel/clean16_tmpl.h"
+#endif
 #include "texel/normalize8_tmpl.h"
 #include "texel/normalize16_tmpl.h"
 
@@ -300,13 +302,6 @@ static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n,
         derive_loop(want, r, g, n, m, 1);
     else
         derive_loop(want, r, g, n, m, 0);
-}
-
-static int32_t clean_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
-                           uint64_t *changed)
-{
-    return zzero ? clean16_run(dst, src, n, true, changed)
-                 : clean16_run(dst, src, n, false, changed);
 }
 
 /* k = (|X| + 1)/2 for a = r - K. */
@@ -342,31 +337,15 @@ static inline int32_t whole_lanes(int32_t n)
 #include "texel/directions_tmpl.h"
 #include "texel/angles_tmpl.h"
 #include "texel/judge_tmpl.h"
-
-#include "texel/close_tmpl.h"
-#include "texel/exact16_tmpl.h"
-
 #ifdef __AVX2__
-static int32_t derive_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
-                            uint32_t touch_unused, int32_t *at, uint64_t *changed)
-{
-    const unused_blues ends = blues_of_unused(65535, touch_unused);
-    uint64_t others = 0;
-    int32_t found = 0, left = 0;
-    for (int32_t i = 0; i < n; i += CLEAN16_STEP) {
-        const int longs = zzero ? derive16_step(dst + 3 * i, src + 3 * i, true, &ends, &others)
-                                : derive16_step(dst + 3 * i, src + 3 * i, false, &ends, &others);
-        found += find_four(at + found, i, longs & 15);
-        found += find_four(at + found, i + 4, longs >> 4);
-    }
-    if (found > 0)
-        left = pull_pixels(dst, at, found, zzero != 0);
-    *changed += others + (uint64_t) (found - left);
-    return left;
-}
+#  define clean_rgb16 NULL
+#  include "texel/derive16_tmpl.h"
 #else
 #  define derive_rgb16 NULL
 #endif
+
+#include "texel/close_tmpl.h"
+#include "texel/exact16_tmpl.h"
 
 static int32_t find(int32_t *restrict at, const int32_t *restrict marks, int32_t bits, int32_t n)
 {

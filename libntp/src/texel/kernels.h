@@ -309,8 +309,8 @@ typedef struct ntp__kernels_table {
     ntp__clean8_fn *clean_rgb8;         /* counts */
     ntp__clean8_fn *clean_rgb8_blindly; /* returns nothing of use */
     ntp__clean8_fn *clean_rgba8;
-    ntp__derive8_fn *derive_rgb8; /* NULL where a table is faster than arithmetic */
-    ntp__clean16_fn *clean_rgb16;
+    ntp__derive8_fn *derive_rgb8;   /* NULL where a table is faster than arithmetic */
+    ntp__clean16_fn *clean_rgb16;   /* NULL where there is the next one */
     ntp__derive16_fn *derive_rgb16; /* NULL where planes are as fast */
     ntp__derive_fn *derive;
     ntp__validate_fn *validate;

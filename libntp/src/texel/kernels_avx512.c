@@ -249,7 +249,9 @@ static ALWAYS_INLINE __m512i blue_of(__m512i e, bool zzero)
 
 enum { ROOM_16 = 256 + LANES_512 };
 
-/* As many_long of clean16_tmpl.h. */
+/* Pairs of a block that are too long, in whole steps; what |X| and |Y| become, halved, in units of 2^-16; and
+ * blues, negative where the pair is in doubt.  One loop for all that is done to them would wait, as it has long
+ * chains. */
 typedef struct many_long {
     int32_t rg[ROOM_16], unit[2][ROOM_16], blue[ROOM_16];
 } many_long;
@@ -284,7 +286,8 @@ static inline void shorten_sixteen(many_long *to, int32_t first)
             _mm512_extracti64x4_epi64(y, 1));
 }
 
-/* As pull_eight. */
+/* Pulls them as pull() in judge_tmpl.h, and derives their blues.  Whole units are the nearest, so a pair is in doubt where
+ * they are a whole size; but all become less than they were. */
 static inline void pull_sixteen(many_long *to, int32_t first, bool zzero)
 {
     const __m512i flip = _mm512_set1_epi16(-32768), half = _mm512_set1_epi32(32768);

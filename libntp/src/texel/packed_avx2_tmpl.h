@@ -8,6 +8,7 @@
 #ifndef NTP_PACKED_AVX2_TMPL_H
 #define NTP_PACKED_AVX2_TMPL_H
 
+#include "libntp.h"
 #include "texel/blue_avx2_tmpl.h"
 
 #include <immintrin.h>
@@ -99,6 +100,26 @@ static inline int32_t add_places(int32_t *at, int32_t i, int32_t n, const uint32
     for (; left != 0; left &= left - 1)
         at[found++] = i + __builtin_ctz(left);
     return found;
+}
+
+/* The blue of unused colors whose red and green are those of black or of white; -1: none are unused. */
+typedef struct unused_blues {
+    int32_t black, white;
+} unused_blues;
+
+static inline unused_blues blues_of_unused(int32_t m, uint32_t touch_unused)
+{
+    return (unused_blues) { touch_unused & NTP_UNUSED_BLACK ? -1 : 0,
+                            touch_unused & NTP_UNUSED_WHITE ? -1 : m };
+}
+
+static inline __m256i unused_of(texels t, const unused_blues *ends)
+{
+    const __m256i black = _mm256_and_si256(_mm256_cmpeq_epi32(t.rg, _mm256_setzero_si256()),
+                                           _mm256_cmpeq_epi32(t.b, _mm256_set1_epi32(ends->black)));
+    const __m256i white = _mm256_and_si256(_mm256_cmpeq_epi32(t.rg, _mm256_set1_epi32(-1)),
+                                           _mm256_cmpeq_epi32(t.b, _mm256_set1_epi32(ends->white)));
+    return _mm256_or_si256(black, white);
 }
 
 /* a(a + 1) + c(c + 1) of pairs, less the level of 0. */
