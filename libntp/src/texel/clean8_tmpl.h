@@ -91,10 +91,30 @@ static inline int32_t find_sixteen(int32_t *at, int32_t i, uint32_t bits)
     return bits == 0 ? 0 : find_some(at, i, bits);
 }
 
+/* e of pairs whose red and green are 0 or 255, as those of black and of white. */
+enum { CORNER = REST_8 - 2 * 127 * 128 };
+
+static inline bool any_corner(__m256i e)
+{
+    const __m256i corners = _mm256_cmpeq_epi16(e, _mm256_set1_epi16(CORNER));
+    return !_mm256_testz_si256(corners, corners);
+}
+
+/* Which of eight pixels with alpha are black or white, and unused for that? */
+static inline __m256i unused_colors(__m256i v, uint32_t touch_unused)
+{
+    const __m256i color = _mm256_set1_epi32(0xffffff), c = _mm256_and_si256(v, color);
+    const __m256i black = _mm256_set1_epi32(touch_unused & NTP_UNUSED_BLACK ? 0 : -1);
+    const __m256i white = _mm256_set1_epi32(touch_unused & NTP_UNUSED_WHITE ? 0 : -1);
+    return _mm256_or_si256(_mm256_and_si256(_mm256_cmpeq_epi32(c, _mm256_setzero_si256()), black),
+                           _mm256_and_si256(_mm256_cmpeq_epi32(c, color), white));
+}
+
 /* Puts the blues into 16 pixels with alpha.  Those that are to be done otherwise stay as they are: their pair
- * is too long, or their alpha 0 if `opaque` has all bits set.  Returns a bit for each of these. */
+ * is too long, or their alpha 0 if `opaque` has all bits set.  Returns a bit for each of these, but unused ones of
+ * black or white. */
 static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t opaque,
-                                      uint64_t *changed)
+                                      uint32_t touch_unused, uint64_t *changed)
 {
     const __m256i zero = _mm256_setzero_si256(), all = _mm256_set1_epi32((int32_t) opaque);
     const __m256i shuffle = _mm256_broadcastsi128_si256(
@@ -122,7 +142,9 @@ static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t
         _mm256_storeu_si256((__m256i *) (void *) (dst + 32 * i), now);
     }
     *changed += (uint64_t) __builtin_popcount(negatives(same[0], same[1]) ^ 0xffff);
-    return bits;
+    return any_corner(e) ? bits & ~negatives(unused_colors(v[0], touch_unused),
+                                             unused_colors(v[1], touch_unused))
+                         : bits;
 }
 
 enum { DERIVED = 2 * NTP__KERNEL_STEP /* pixels a step */, MOST = 512 };
@@ -164,19 +186,17 @@ static inline void store_three(uint8_t *dst, const __m256i v[3])
         store_two(dst + 16 * i, dst + 48 + 16 * i, v[i]);
 }
 
-/* 32 pixels, and e of the first and of the last eight of each half.  Each half of a vector is of 16
+/* 32 pixels, and pairs of the first and of the last eight of each half, as words.  Each half of a vector is of 16
  * pixels. */
-static inline void load_pairs(__m256i v[3], __m256i *e, __m256i *f, const uint8_t *src)
+static inline void load_pairs(__m256i v[3], __m256i *pairs, __m256i *others, const uint8_t *src)
 {
     UNROLLED
     for (int i = 0; i < 3; i++)
         v[i] = load_apart(src + 16 * i, 48);
-    *e = rest_words(
-        _mm256_or_si256(SHUFFLE(v[0], 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, 15, N, N, N, N, N),
-                        SHUFFLE(v[1], N, N, N, N, N, N, N, N, N, N, N, 0, 2, 3, 5, 6)));
-    *f = rest_words(
-        _mm256_or_si256(SHUFFLE(v[1], 8, 9, 11, 12, 14, 15, N, N, N, N, N, N, N, N, N, N),
-                        SHUFFLE(v[2], N, N, N, N, N, N, 1, 2, 4, 5, 7, 8, 10, 11, 13, 14)));
+    *pairs = _mm256_or_si256(SHUFFLE(v[0], 0, 1, 3, 4, 6, 7, 9, 10, 12, 13, 15, N, N, N, N, N),
+                             SHUFFLE(v[1], N, N, N, N, N, N, N, N, N, N, N, 0, 2, 3, 5, 6));
+    *others = _mm256_or_si256(SHUFFLE(v[1], 8, 9, 11, 12, 14, 15, N, N, N, N, N, N, N, N, N, N),
+                              SHUFFLE(v[2], N, N, N, N, N, N, 1, 2, 4, 5, 7, 8, 10, 11, 13, 14));
 }
 
 /* The derived blues; of pairs that are too long, any number. */
@@ -207,8 +227,9 @@ static inline __m256i store_blues(uint8_t *dst, const __m256i v[3], __m256i blue
  * taken. */
 static inline bool put_derived_blues(uint8_t *dst, const uint8_t *src, __m256i *others, bool *same)
 {
-    __m256i v[3], e, f;
-    load_pairs(v, &e, &f, src);
+    __m256i v[3], p, q;
+    load_pairs(v, &p, &q, src);
+    const __m256i e = rest_words(p), f = rest_words(q);
     if (*same && are_derived(v, e, f)) { /* whole vectors are half as many stores */
         UNROLLED
         for (int i = 0; i < 3; i++)
@@ -244,13 +265,13 @@ static int32_t derive_rgb8(uint8_t *dst, const uint8_t *src, int32_t n, uint64_t
     return i;
 }
 
-/* Are all of 32 pixels black, or all white, and unused for that? */
-static inline bool are_unused(const __m256i v[3], uint32_t touch_unused)
+/* Which of 32 pixels have this in all bytes? */
+static inline __m256i are_all(__m256i pairs, __m256i others, __m256i blues, int byte)
 {
-    const __m256i any = _mm256_or_si256(_mm256_or_si256(v[0], v[1]), v[2]);
-    const __m256i all = _mm256_and_si256(_mm256_and_si256(v[0], v[1]), v[2]);
-    return (_mm256_testz_si256(any, any) && !(touch_unused & NTP_UNUSED_BLACK)) ||
-           (_mm256_testc_si256(all, _mm256_set1_epi8(-1)) && !(touch_unused & NTP_UNUSED_WHITE));
+    const __m256i all = _mm256_set1_epi8((char) byte);
+    return _mm256_and_si256(
+        _mm256_packs_epi16(_mm256_cmpeq_epi16(pairs, all), _mm256_cmpeq_epi16(others, all)),
+        _mm256_cmpeq_epi8(blues, all));
 }
 
 /* Puts derived blues into whole steps, in which pairs that are too long are not seldom: these pixels are done
@@ -258,19 +279,22 @@ static inline bool are_unused(const __m256i v[3], uint32_t touch_unused)
 static inline void derive_others(uint8_t *dst, const uint8_t *src, int32_t n, const uint32_t *table,
                                  uint32_t touch_unused, uint64_t *changed)
 {
+    const __m256i black = _mm256_set1_epi8(touch_unused & NTP_UNUSED_BLACK ? 0 : -1);
+    const __m256i white = _mm256_set1_epi8(touch_unused & NTP_UNUSED_WHITE ? 0 : -1);
     int32_t at[MOST + LANES], found = 0;
     __m256i others = _mm256_setzero_si256();
     for (int32_t i = 0; i < n; i += DERIVED) {
-        __m256i v[3], e, f;
-        load_pairs(v, &e, &f, src + 3 * i);
-        if (are_unused(v, touch_unused)) { /* a background */
-            store_three(dst + 3 * i, v);
-            continue;
-        }
+        __m256i v[3], p, q;
+        load_pairs(v, &p, &q, src + 3 * i);
+        const __m256i e = rest_words(p), f = rest_words(q), was = blues_in(v);
         const __m256i longs =
             _mm256_packs_epi16(_mm256_srai_epi16(e, 15), _mm256_srai_epi16(f, 15));
-        const __m256i blues = _mm256_blendv_epi8(blues_of(e, f), blues_in(v), longs);
-        const uint32_t bits = (uint32_t) _mm256_movemask_epi8(longs);
+        const __m256i blues = _mm256_blendv_epi8(blues_of(e, f), was, longs);
+        uint32_t bits = (uint32_t) _mm256_movemask_epi8(longs);
+        if (any_corner(e) || any_corner(f))
+            bits &= ~(uint32_t) _mm256_movemask_epi8(
+                _mm256_or_si256(_mm256_and_si256(are_all(p, q, was, 0), black),
+                                _mm256_and_si256(are_all(p, q, was, -1), white)));
         const __m256i other = store_blues(dst + 3 * i, v, blues);
         others = _mm256_add_epi64(others, _mm256_sad_epu8(other, _mm256_setzero_si256()));
         found += find_sixteen(at + found, i, bits & 0xffff);

@@ -181,9 +181,9 @@ ONE_COPY static void sum_lengths(ntp__judged_fit *restrict fit, const uint32_t *
         fit->off[i] = (uint32_t) (off < 0 ? -off : off);
     }
     for (int32_t i = 0; i < n; i++) {
-        const uint64_t off = fit->off[i], texels = count[i];
-        const uint64_t squares = (uint32_t) (off * off) * texels;
-        sum += (uint32_t) fit->length[i] * texels;
+        const uint64_t off = fit->off[i], times = count[i];
+        const uint64_t squares = (uint32_t) (off * off) * times;
+        sum += (uint32_t) fit->length[i] * times;
         all += squares;
         of_padding += fit->key[i] >= NTP__PADDING_BIN * 256 ? squares : 0;
     }

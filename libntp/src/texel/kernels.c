@@ -234,7 +234,8 @@ static uint64_t derive_rgba8(uint8_t *dst, const uint8_t *src, int32_t n, const 
         if (fetch)
             prefetch(dst + 4 * i + NEXT, src + 4 * i + NEXT);
         found +=
-            find_sixteen(at + found, i, put_blues_rgba(dst + 4 * i, src + 4 * i, opaque, &changed));
+            find_sixteen(at + found, i,
+                         put_blues_rgba(dst + 4 * i, src + 4 * i, opaque, touch_unused, &changed));
     }
     for (int32_t k = 0; k < found; k++) {
         uint8_t *const p = dst + 4 * at[k];
@@ -295,8 +296,8 @@ static inline void derive_loop(int32_t *restrict want, const int32_t *restrict r
     }
 }
 
-static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
-                   int32_t zzero)
+ONE_COPY static void derive(int32_t *want, const int32_t *r, const int32_t *g, int32_t n, int32_t m,
+                            int32_t zzero)
 {
     if (zzero)
         derive_loop(want, r, g, n, m, 1);
