@@ -6,8 +6,8 @@
  * pulled after all others of a block, many at once.
  */
 
-/* Puts eight blues into these bytes, and stores them.  Each half is of four pixels, of which `low` has the bytes 0 to 15,
- * and `high` 8 to 23. */
+/* Puts eight blues into these bytes, and stores them.  Each half is of four pixels, of which `low` has the bytes 0
+ * to 15, and `high` 8 to 23. */
 static inline void put_blues16(uint16_t *dst, __m256i low, __m256i high, __m256i b,
                                uint64_t *changed)
 {
