@@ -130,7 +130,7 @@ static int32_t check_result(const void *dst, const int32_t *src, int32_t n, int3
         int32_t *c = want + 3 * i;
         const bool unused = ntp__unused(c[0], c[1], c[2], m, m, touch);
         CHECK(!kept[i] || !unused);
-        doubts += kept[i];
+        doubts += kept[i] && !((c[0] == 0 || c[0] == m) && (c[1] == 0 || c[1] == m));
         if (!kept[i] && !unused)
             ntp__clean(c, m, NTP_ENCODING_STANDARD, NTP_CLEAN_NORMALIZE, false);
         changed -= memcmp(c, src + 3 * i, 3 * sizeof *c) != 0;

@@ -235,7 +235,7 @@ static inline __m256i rest_of_pair(__m256i pair, const constants *c)
 
 /* Pulls those of eight rounded pairs that are too long, whose e is negative: as level.c says, none is more than
  * (1, 1) above the least of the four. */
-static inline __m256i pulled(__m256i pair, __m256i *e, const constants *c)
+static ALWAYS_INLINE __m256i pulled(__m256i pair, __m256i *e, const constants *c)
 {
     const __m256i sign = _mm256_srai_epi16(pair, 15), q = _mm256_xor_si256(pair, sign);
     const __m256i to = _mm256_blendv_epi8(q, onto_disc(q, q, c->deep), _mm256_srai_epi32(*e, 31));

@@ -141,8 +141,8 @@ static ALWAYS_INLINE ends ends_of(uint32_t touch_unused, bool deep)
 }
 
 /* Factors that make halves of numerators those of unit vectors.  1 for texels that are rounded already,
- * and 0 for unused ones, which so are in doubt. */
-static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], uint32_t used, bool deep)
+ * and 0 for corners of the cube, which so are in doubt. */
+static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], bool deep)
 {
     const double m = deep ? 65535 : 255;
     const __m512i squares =
@@ -155,8 +155,9 @@ static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], uint32_t used, bool 
     const __m512i by =
         deep ? fused(minus_e, of(0.375, deep), of(-0.5, deep), deep) : of(-0.5, deep);
     const __m512i scaled = times(y, of(m / 2, deep), deep);
+    const uint32_t inside = is_below(squares, of(3 * m * m / 4, deep), deep);
     const uint32_t rounded = is_below(off, sum_of(sizes, half, deep), deep);
-    const __m512i factor = fused_where(used, times(scaled, minus_e, deep), by, scaled, deep);
+    const __m512i factor = fused_where(inside, times(scaled, minus_e, deep), by, scaled, deep);
     return deep ? _mm512_mask_mov_epi64(factor, (__mmask8) rounded, of(1, deep))
                 : _mm512_mask_mov_epi32(factor, (__mmask16) rounded, of(1, deep));
 }
@@ -176,11 +177,8 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
         const __m512i v = load_48(s);
         __m512i x[3] = { halves_of(v, red, deep), halves_of(v, green, deep),
                          halves_of(v, blue, deep) };
-        const __m512i all = sum_of(sum_of(x[0], x[1], deep), x[2], deep);
-        const uint32_t used =
-            is_below(of(end.black, deep), all, deep) & is_below(all, of(end.white, deep), deep);
         x[2] = size_of(x[2], deep);
-        const __m512i factor = factors_of(x, used, deep);
+        const __m512i factor = factors_of(x, deep);
         for (int k = 0; k < 3; k++) {
             x[k] = fused(x[k], factor, base, deep);
             x[k] = deep ? x[k] : _mm512_slli_epi32(x[k], 1);
@@ -193,6 +191,11 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
             /* all bits where a level is taken from */
             const __m512i marks = _mm512_maskz_set1_epi16(left << 1, -1);
             const __m512i those = packed_levels(marks, marks, marks, deep);
+            const __m512i all =
+                sum_of(sum_of(halves_of(v, red, deep), halves_of(v, green, deep), deep),
+                       halves_of(v, blue, deep), deep);
+            const uint32_t used =
+                is_below(of(end.black, deep), all, deep) & is_below(all, of(end.white, deep), deep);
             const uint32_t doubt = used & (deep ? _mm512_test_epi64_mask(marks, marks)
                                                 : _mm512_test_epi32_mask(marks, marks));
             const __m512i places = _mm512_maskz_compress_epi32((__mmask16) doubt, steps_of(1, i));
