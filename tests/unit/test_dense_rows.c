@@ -4,13 +4,15 @@
  *
  * All rows: each with all blues once; with random counts, some of them 0, in each kind of cell; and with a
  * sixth to a half of all blues, at any place.  The colors are judged by the loops without AVX2.  Rows of few
- * colors are left to others.  Then tallies of noise, and what classify/ asks of them, with and without AVX2.
+ * colors are left to others.  Then how blues of a row, of any number and count, are off from those derived; and
+ * tallies of noise, and what classify/ asks of them, with and without AVX2.
  */
 #include "alike_tallies.h"
 #include "guarded.h"
 #include "measure/tally.h"
 #include "without_avx2.h"
 #ifdef NTP_HAVE_AVX2
+#  include "measure/blue_row.h"
 #  include "measure/dense_row_avx2.h"
 #endif
 
@@ -93,6 +95,61 @@ static void check_rows(int32_t kind, uint64_t *seed)
     CHECK(done > 2000 && (left > 2000) == (kind == 2));
 }
 
+static double absolute(double v)
+{
+    return v < 0 ? -v : v;
+}
+
+/* One blue after the other. */
+static void add_blues(ntp__blue_sums *sums, ntp__blue_row *row, const ntp__cells *cells, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++) {
+        const double count = cells->count[i], blue = cells->blue[i];
+        row->n += count;
+        row->blue += count * blue;
+        row->blue2 += count * blue * blue;
+        for (int32_t k = 0; row->is_tilted && k < 2; k++) {
+            const double off = absolute(blue - row->want[k]);
+            sums->off[k] += count * (off < 32 ? off : 32);
+            sums->near[k] += off <= 3 ? count : 0;
+        }
+        sums->above += row->is_tilted && blue > row->want[0] + 4 ? count : 0;
+    }
+}
+
+static void check_blues(uint64_t *seed)
+{
+    ntp__blue_sums sums[2];
+    ntp__cells cells;
+    uint32_t above = 0, near = 0;
+    for (int32_t i = 0; i < 20000; i++) {
+        const int32_t n = i % 257, step = n > 0 ? 256 / n : 1;
+        const uint32_t less = n > 1 ? 8 + random_bits(seed) % 24 : 0; /* together below 2^32 */
+        ntp__blue_row row[2];
+        memset(row, 0, sizeof row);
+        memset(sums, 0, sizeof sums);
+        sums[0].off[0] = sums[1].off[0] = random_level(seed, 255) / 3.0;
+        /* some are a whole number off, so that 3 and 4 levels occur */
+        row[0].want[0] = i % 2 == 0 ? random_level(seed, 255) : random_level(seed, 65535) / 257.0;
+        row[0].want[1] = 2 * row[0].want[0] - 255;
+        row[0].is_tilted = i % 3 != 0;
+        row[1] = row[0];
+        for (int32_t k = 0; k < 256 + NTP__NEAR; k++) { /* also what is behind the last one */
+            cells.blue[k] = k * step & 255;
+            cells.count[k] = random_bits(seed) >> less;
+        }
+        add_blues(&sums[0], &row[0], &cells, n);
+        ntp__add_blues_avx2(&sums[1], &row[1], &cells, n);
+        CHECK(row[0].n == row[1].n && row[0].blue == row[1].blue && row[0].blue2 == row[1].blue2);
+        CHECK(sums[0].above == sums[1].above);
+        for (int32_t k = 0; k < 2; k++)
+            CHECK(sums[0].off[k] == sums[1].off[k] && sums[0].near[k] == sums[1].near[k]);
+        above += sums[0].above > 0;
+        near += sums[0].near[0] > 0 && sums[0].near[1] > 0;
+    }
+    CHECK(above > 1000 && near > 1000);
+}
+
 static void check_tallies(uint64_t *seed)
 {
     uint8_t *const texels = malloc((size_t) WIDTH * HEIGHT * 3);
@@ -115,6 +172,7 @@ int main(void)
     ntp__rows_prepare(&counts);
     for (int32_t kind = 0; kind < 3; kind++)
         check_rows(kind, &seed);
+    check_blues(&seed);
     check_tallies(&seed);
     return 0;
 #else

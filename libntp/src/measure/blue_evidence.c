@@ -7,33 +7,28 @@
  * slope 1 for standard and 2 for Z-zero.  It tells them apart even if blue is shifted or scaled.
  */
 #include "texel/level.h"
+#include "base/cpu.h"
+#include "measure/blue_row.h"
 #include "measure/tally.h"
 #ifdef NTP_HAVE_AVX2
 #  include "measure/dense_row_avx2.h"
 #endif
 
-/* In 8-bit levels. */
-static const double GAP_THAT_TELLS = 1, OFF_MOST = 32, NEAR = 3, ABOVE = 4;
+static const double GAP_THAT_TELLS = 1; /* levels of 8 bit */
 
-typedef struct blue_sums {
-    double n, want, blue, want2, blue2, product;
-    double tilted, gap, off[2], near[2], above;
-} blue_sums;
+typedef ntp__blue_sums blue_sums;
+typedef ntp__blue_row blue_row;
 
 static double magnitude(double v)
 {
     return v < 0 ? -v : v;
 }
 
-/* What all texels share whose red and green leave the same z. */
-typedef struct blue_row {
-    double want[2], gap, n, blue, blue2;
-} blue_row;
-
 static blue_row row_of(double z)
 {
     blue_row row = { .want = { 127.5 + 127.5 * z, 255 * z } };
     row.gap = row.want[0] - row.want[1];
+    row.is_tilted = row.gap > GAP_THAT_TELLS;
     return row;
 }
 
@@ -42,10 +37,10 @@ static inline void add_tilted(blue_sums *sums, const blue_row *row, double blue,
 {
     for (int32_t i = 0; i < 2; i++) {
         double off = magnitude(blue - row->want[i]);
-        sums->off[i] += count * (off < OFF_MOST ? off : OFF_MOST);
-        sums->near[i] += off <= NEAR ? count : 0;
+        sums->off[i] += count * (off < NTP__BLUE_OFF_MOST ? off : NTP__BLUE_OFF_MOST);
+        sums->near[i] += off <= NTP__BLUE_NEAR ? count : 0;
     }
-    sums->above += blue > row->want[0] + ABOVE ? count : 0;
+    sums->above += blue > row->want[0] + NTP__BLUE_ABOVE ? count : 0;
 }
 
 static inline void add_row(blue_sums *sums, const blue_row *row)
@@ -57,54 +52,45 @@ static inline void add_row(blue_sums *sums, const blue_row *row)
     sums->blue += row->blue;
     sums->blue2 += row->blue2;
     sums->product += want * row->blue;
-    if (row->gap <= GAP_THAT_TELLS)
+    if (!row->is_tilted)
         return;
     sums->tilted += row->n;
     sums->gap += row->n * row->gap;
 }
 
-#ifdef NTP_HAVE_AVX2
-/* Adds a row of many colors.  Blues that do not occur add 0.  All sums but those of distances are of whole
- * numbers, so that their order does not matter. */
-static void add_dense_row(blue_sums *sums, blue_row *row, const ntp_tally *t, int32_t i)
+/* The cells of a row. */
+static void add_blues(blue_sums *sums, blue_row *row, const ntp__cells *cells, int32_t n)
 {
-    ntp__dense_blues blues;
-    const int32_t most = (int32_t) (row->want[0] + ABOVE);
-    double off[2] = { sums->off[0], sums->off[1] };
-    int64_t texels = 0, part = 0, part2 = 0, above = 0;
-    ntp__dense_blues_avx2(&blues, &t->cells, i, row->want, OFF_MOST);
-    for (int32_t b = 0; b < 256; b++) {
-        const int64_t count = blues.count[b];
-        off[0] += blues.off[0][b];
-        off[1] += blues.off[1][b];
-        texels += count;
-        part += b * count;
-        part2 += b * b * count;
-        above += b > most ? count : 0;
+    uint64_t texels = 0, blue = 0, blue2 = 0;
+    for (int32_t k = 0; k < n; k++) {
+        const uint64_t b = (uint64_t) cells->blue[k], part = b * cells->count[k];
+        texels += cells->count[k];
+        blue += part;
+        blue2 += b * part;
+        if (row->is_tilted)
+            add_tilted(sums, row, cells->blue[k], cells->count[k]);
     }
     row->n = (double) texels;
-    row->blue = (double) part;
-    row->blue2 = (double) part2;
-    add_row(sums, row);
-    if (row->gap <= GAP_THAT_TELLS)
-        return;
-    sums->above += (double) above;
-    for (int32_t k = 0; k < 2; k++) {
-        const double want = row->want[k];
-        int64_t near = 0;
-        for (int32_t b = (int32_t) want - 3; b < 256 && b - want <= NEAR; b++)
-            near += b >= 0 && want - b <= NEAR ? blues.count[b] : 0;
-        sums->off[k] = off[k];
-        sums->near[k] += (double) near;
-    }
+    row->blue = (double) blue;
+    row->blue2 = (double) blue2;
 }
-#endif
 
-static void add_cells(blue_sums *into, const ntp_tally *t)
+typedef void add_blues_fn(blue_sums *sums, blue_row *row, const ntp__cells *cells, int32_t n);
+
+static add_blues_fn *blues_adder(void)
+{
+#ifdef NTP_HAVE_AVX2
+    if (ntp__cpu_has_avx2(NTP__CPU_ALL))
+        return ntp__add_blues_avx2;
+#endif
+    return add_blues;
+}
+
+static void add_cells(blue_sums *sums, const ntp_tally *t)
 {
     ntp__row_cells_fn *const read_row = ntp__row_reader();
+    add_blues_fn *const add = blues_adder();
     ntp__cells cells;
-    blue_sums sums = { 0 }; /* in registers */
     for (int32_t i = 0; (i = ntp__next_row(t->cells.at.row_seen, i)) < NTP__ROWS; i++) {
         int64_t rest = ntp__rest(t->cells.row[i].pair & 255, t->cells.row[i].pair >> 8, 255);
         if (rest < 0)
@@ -112,27 +98,15 @@ static void add_cells(blue_sums *into, const ntp_tally *t)
         blue_row row = row_of(sqrt((double) rest) / 255);
 #ifdef NTP_HAVE_AVX2
         if (t->cells.at.row_seen[i] & NTP__SEEN_DENSE) {
-            add_dense_row(&sums, &row, t, i);
+            ntp__dense_cells_avx2(&cells, &t->cells, i);
+            add(sums, &row, &cells, 256);
+            add_row(sums, &row);
             continue;
         }
 #endif
-        const int32_t n = read_row(&cells, &t->cells, i);
-        /* Of a row that is not tilted, nothing is added to the sums of tilted ones. */
-        const double part_of = row.gap > GAP_THAT_TELLS ? 1 : 0;
-        uint64_t texels = 0, blue = 0, blue2 = 0;
-        for (int32_t k = 0; k < n; k++) {
-            const uint64_t b = (uint64_t) cells.blue[k], part = b * cells.count[k];
-            texels += cells.count[k];
-            blue += part;
-            blue2 += b * part;
-            add_tilted(&sums, &row, cells.blue[k], part_of * cells.count[k]);
-        }
-        row.n = (double) texels;
-        row.blue = (double) blue;
-        row.blue2 = (double) blue2;
-        add_row(&sums, &row);
+        add(sums, &row, &cells, read_row(&cells, &t->cells, i));
+        add_row(sums, &row);
     }
-    *into = sums;
 }
 
 /* A bit for each pair of a run that has texels. */
@@ -159,7 +133,7 @@ static inline void add_pair(blue_sums *sums, const ntp_tally *t, int32_t r, int3
     row.n = texels;
     row.blue = row.n * blue;
     row.blue2 = row.n * blue * blue;
-    if (row.gap > GAP_THAT_TELLS)
+    if (row.is_tilted)
         add_tilted(sums, &row, blue, row.n);
     add_row(sums, &row);
 }

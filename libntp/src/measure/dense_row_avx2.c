@@ -453,16 +453,9 @@ bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__co
     return true;
 }
 
-void ntp__dense_blues_avx2(ntp__dense_blues *out, const ntp__color_counts *counts, int32_t row,
-                           const double want[2], double most)
+void ntp__dense_cells_avx2(ntp__cells *cells, const ntp__color_counts *counts, int32_t row)
 {
-    const double standard = want[0], zzero = want[1];
-    read_row(out->count, counts, row);
-    for (int32_t b = 0; b < 256; b++) {
-        const int32_t half = (int32_t) (out->count[b] >> 1), odd = (int32_t) (out->count[b] & 1);
-        const double count = 2.0 * half + odd; /* no quick conversion takes more than 2^31 - 1 */
-        const double off = fabs(b - standard), off_zzero = fabs(b - zzero);
-        out->off[0][b] = count * (off < most ? off : most);
-        out->off[1][b] = count * (off_zzero < most ? off_zzero : most);
-    }
+    for (int32_t b = 0; b < 256; b++)
+        cells->blue[b] = b;
+    read_row(cells->count, counts, row);
 }

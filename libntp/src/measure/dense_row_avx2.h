@@ -17,14 +17,7 @@ enum { NTP__DENSE = 96, NTP__DENSE_512 = 192 };
 bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts,
                              int32_t row, int32_t least);
 
-/* The counts of a row by blue, and each of them times how far its blue is from the one wanted in each
- * encoding, at most `most`. */
-typedef struct ntp__dense_blues {
-    uint32_t count[256];
-    double off[2][256];
-} ntp__dense_blues;
-
-void ntp__dense_blues_avx2(ntp__dense_blues *out, const ntp__color_counts *counts, int32_t row,
-                           const double want[2], double most);
+/* All 256 blues of a row that was added so, also those that do not occur. */
+void ntp__dense_cells_avx2(ntp__cells *cells, const ntp__color_counts *counts, int32_t row);
 
 #endif
