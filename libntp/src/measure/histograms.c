@@ -44,14 +44,6 @@ ntp_status ntp_tally_lengths(uint64_t counts[256], ntp_tally *tally, ntp_encodin
     return NTP_OK;
 }
 
-static uint32_t count_harm(const ntp__sums *sums, uint32_t kinds, uint32_t bin)
-{
-    uint32_t count = 0;
-    for (uint32_t k = 0; k < NTP__ALL_HARM; k++)
-        count += kinds >> k & 1 ? sums->harm[k].bins[bin] : 0;
-    return count;
-}
-
 ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encoding, uint32_t kinds,
                           double degrees)
 {
@@ -65,10 +57,13 @@ ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encodin
     /* Where padding counts, it counts as what it is. */
     if (padding == 0)
         kinds |= (kinds >> 1 & 3) << NTP__HARM_KINDS;
+    const ntp__harm_sums *of[NTP__ALL_HARM]; /* those with texels */
+    int32_t number = 0;
     for (uint32_t k = 0; k < NTP__ALL_HARM; k++) {
         const ntp__harm_sums *one = &sums->harm[k];
-        if (!(kinds >> k & 1))
+        if (!(kinds >> k & 1) || one->texels == 0)
             continue;
+        of[number++] = one;
         harm->texels += one->texels;
         sum += one->sum;
         max = one->max > max ? one->max : max;
@@ -79,11 +74,14 @@ ntp_status ntp_tally_harm(ntp_harm *harm, ntp_tally *tally, ntp_encoding encodin
     const uint32_t bins = ntp__harm_bin(max) + 1, limit = (uint32_t) (degrees * 100 + 0.5);
     for (uint32_t i = bins; i-- > 0 && below * 100 >= used * 99;) {
         harm->p99 = i / 100.0;
-        below -= count_harm(sums, kinds, i);
+        for (int32_t k = 0; k < number; k++)
+            below -= of[k]->bins[i];
     }
     harm->over = harm->texels;
-    for (uint32_t i = 0; i < bins && i <= limit; i++)
-        harm->over -= count_harm(sums, kinds, i);
+    for (int32_t k = 0; k < number; k++) {
+        for (uint32_t i = 0; i < bins && i <= limit; i++)
+            harm->over -= of[k]->bins[i];
+    }
     harm->mean = (double) sum / (double) used / 1e6;
     harm->max = (double) max / 1e6;
     return NTP_OK;

@@ -19,8 +19,11 @@ void ntp__clear_sums(ntp__sums *s)
     }
     ntp__angles_clear(&s->angles);
     for (int32_t k = 0; k < NTP__ALL_HARM; k++) {
-        if (s->harm[k].texels > 0)
-            memset(&s->harm[k], 0, sizeof s->harm[k]);
+        ntp__harm_sums *const harm = &s->harm[k];
+        if (harm->texels > 0)
+            memset(harm, 0,
+                   offsetof(ntp__harm_sums, bins) +
+                       (ntp__harm_bin(harm->max) + 1) * sizeof harm->bins[0]);
     }
     s->texels = 0;
 }

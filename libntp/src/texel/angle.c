@@ -67,6 +67,8 @@ void ntp__angles_merge(ntp__angle_sums *into, const ntp__angle_sums *from)
         into->bins[i] += from->bins[i];
 }
 
+enum { RUN = 64 }; /* bins */
+
 void ntp__angles_describe(ntp_angles *out, const ntp__angle_sums *sums)
 {
     out->texels = sums->texels;
@@ -78,6 +80,16 @@ void ntp__angles_describe(ntp_angles *out, const ntp__angle_sums *sums)
     /* From the greatest angle down; `up_to` have at most this one. */
     const uint64_t rank = (sums->texels * 99 + 99) / 100;
     uint64_t i = (sums->max + 500) / 1000, up_to = sums->texels;
+    /* A few turned texels leave long runs of empty bins. */
+    while (i >= RUN) {
+        uint32_t run = 0; /* of texels, which are fewer than 2^32 */
+        for (uint64_t k = 0; k < RUN; k++)
+            run += sums->bins[i - k];
+        if (up_to - run < rank)
+            break;
+        up_to -= run;
+        i -= RUN;
+    }
     while (i > 0 && up_to - sums->bins[i] >= rank)
         up_to -= sums->bins[i--];
     out->p99 = (double) i / 1000.0;
