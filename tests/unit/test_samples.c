@@ -158,31 +158,69 @@ static void check_padding(uint64_t *seed)
     free(tally);
 }
 
+/* Texels of alpha 0, 255 and others, in runs; most of the former have one color. */
+static void fill_alphas(uint8_t *p, int32_t n, uint64_t *seed)
+{
+    const uint32_t kinds = 1 + random_bits(seed) % 7, change = 1 + random_bits(seed) % 40;
+    uint32_t kind = 0, color = 0;
+    for (int32_t i = 0; i < n; i++) {
+        if (random_bits(seed) % change == 0)
+            kind = random_bits(seed) % 3;
+        if (random_bits(seed) % 200 == 0)
+            color = random_bits(seed) & 0xffffff;
+        const uint32_t any = random_bits(seed), is_clear = kinds >> kind & 1 && kind == 0;
+        for (int32_t k = 0; k < 3; k++)
+            p[4 * i + k] = (uint8_t) ((is_clear ? color : any) >> 8 * k);
+        p[4 * i + 3] = (uint8_t) (is_clear ? 0 : kinds >> kind & 1 ? 255 : any >> 24);
+    }
+}
+
+static uint32_t rgb_of(const uint8_t *p)
+{
+    return p[0] | (uint32_t) p[1] << 8 | (uint32_t) p[2] << 16;
+}
+
+/* Adds a group, if all of its hidden colors are the one so far. */
+static bool add_alphas(ntp__alphas8 *to, const uint8_t *p, int32_t visible)
+{
+    ntp__alphas8 more = *to;
+    for (int32_t i = 0; i < STEP; i++, p += 4) {
+        const int32_t a = 2 * p[3] - 255, g = 2 * p[1] - 255;
+        more.count[0][p[3]]++;
+        more.in_disc += a * a + g * g <= 255 * 255;
+        if (p[3] >= visible)
+            continue;
+        if (more.clear > 0 && more.color != rgb_of(p))
+            return false;
+        more.color = rgb_of(p);
+        more.clear++;
+    }
+    *to = more;
+    return true;
+}
+
 static void check_alphas(const ntp__kernels_table *level, int32_t n, uint64_t *seed)
 {
     guarded src = guarded_alloc((size_t) n * 4, random_bits(seed) & 1);
     uint8_t *const p = src.data;
     static ntp__alphas8 found, want;
     const int32_t visible = (int32_t) (random_bits(seed) % 2);
-    int32_t end = n / STEP * STEP;
+    int32_t end = 0;
     memset(&found, 0, sizeof found);
     memset(&want, 0, sizeof want);
-    for (int32_t i = 0; i < 4 * n; i++)
-        p[i] = (uint8_t) random_level(seed, 255);
-    for (int32_t i = 0; i < n; i++)
-        p[4 * i + 3] |= random_bits(seed) % 64 != 0;
-    for (int32_t i = end - 1; i >= 0; i--)
-        end = p[4 * i + 3] < visible ? i / STEP * STEP : end;
-    for (int32_t i = 0; i < end; i++) {
-        const int32_t a = 2 * p[4 * i + 3] - 255, g = 2 * p[4 * i + 1] - 255;
-        want.count[0][p[4 * i + 3]]++;
-        want.in_disc += a * a + g * g <= 255 * 255;
+    fill_alphas(p, n, seed);
+    if (n > 0 && random_bits(seed) % 4 == 0) { /* some were counted before */
+        found.clear = want.clear = 1;
+        found.color = want.color = random_bits(seed) % 2 == 0 ? rgb_of(p) : 7;
     }
+    while (end + STEP <= n && add_alphas(&want, p + 4 * end, visible))
+        end += STEP;
     CHECK(level->count_alpha8(&found, p, n, visible) == end);
     for (int32_t a = 0; a < 256; a++)
         CHECK(found.count[0][a] + found.count[1][a] + found.count[2][a] + found.count[3][a] ==
               want.count[0][a]);
-    CHECK(found.in_disc == want.in_disc);
+    CHECK(found.in_disc == want.in_disc && found.clear == want.clear);
+    CHECK(found.clear == 0 || found.color == want.color);
     guarded_free(&src);
 }
 

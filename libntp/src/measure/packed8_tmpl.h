@@ -189,8 +189,14 @@ static void count_alphas(ntp_tally *t, alpha_counts *c, const uint8_t *p, int32_
     ntp__count_alpha8_fn *const count = ntp__kernels(NTP__CPU_ALL)->count_alpha8;
     while (n > 0) {
         const int32_t quick = count != NULL ? count(&c->alphas, p, n, c->visible) : 0;
+        const uint32_t clear = c->alphas.clear;
         p += 4 * quick;
         n -= quick;
+        if (clear > 0) {
+            count_clear(t, c, c->alphas.color, clear);
+            c->alphas.clear = 0;
+            continue; /* with the next color */
+        }
         const int32_t end = n < GROUP ? n : GROUP;
         const bool even = end == GROUP && is_even_rgba8(p);
         for (int32_t i = 0; !even && i < end; i++)

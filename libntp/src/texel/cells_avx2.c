@@ -424,6 +424,13 @@ static ALWAYS_INLINE uint32_t are_in_disc(__m256i texels)
     return words_set(_mm256_cmpgt_epi16(_mm256_set1_epi16(REST_8 + 1), sum));
 }
 
+/* A bit for each of 16 texels. */
+static ALWAYS_INLINE uint32_t lanes_of_texels(__m256i a, __m256i b)
+{
+    return (uint32_t) (_mm256_movemask_ps(_mm256_castsi256_ps(a)) |
+                       _mm256_movemask_ps(_mm256_castsi256_ps(b)) << 8);
+}
+
 int32_t ntp__count_alpha8_avx2(ntp__alphas8 *alphas, const uint8_t *src, int32_t n, int32_t visible)
 {
     const __m256i alpha = _mm256_set1_epi32((int) 0xff000000);
@@ -432,11 +439,29 @@ int32_t ntp__count_alpha8_avx2(ntp__alphas8 *alphas, const uint8_t *src, int32_t
     for (; i + GROUP <= n; i += GROUP, src += 4 * GROUP) {
         const __m256i a = _mm256_loadu_si256((const __m256i *) (const void *) src);
         const __m256i b = _mm256_loadu_si256((const __m256i *) (const void *) (src + 2 * GROUP));
-        const __m256i clear =
-            _mm256_or_si256(_mm256_cmpeq_epi32(_mm256_and_si256(a, alpha), hidden),
-                            _mm256_cmpeq_epi32(_mm256_and_si256(b, alpha), hidden));
-        if (_mm256_movemask_epi8(clear) != 0)
-            break;
+        const __m256i alpha_a = _mm256_and_si256(a, alpha), alpha_b = _mm256_and_si256(b, alpha);
+        const __m256i clear_a = _mm256_cmpeq_epi32(alpha_a, hidden),
+                      clear_b = _mm256_cmpeq_epi32(alpha_b, hidden);
+        const uint32_t clear = lanes_of_texels(clear_a, clear_b);
+        const uint32_t full =
+            lanes_of_texels(_mm256_cmpeq_epi32(alpha_a, alpha), _mm256_cmpeq_epi32(alpha_b, alpha));
+        if (clear != 0) {
+            uint32_t color;
+            memcpy(&color, src + 4 * __builtin_ctz(clear), sizeof color);
+            const __m256i same = _mm256_set1_epi32((int) color);
+            const __m256i other =
+                _mm256_or_si256(_mm256_andnot_si256(_mm256_cmpeq_epi32(a, same), clear_a),
+                                _mm256_andnot_si256(_mm256_cmpeq_epi32(b, same), clear_b));
+            if ((alphas->clear > 0 && alphas->color != color) || !_mm256_testz_si256(other, other))
+                break;
+            alphas->color = color;
+            alphas->clear += (uint32_t) __builtin_popcount(clear);
+        }
+        if ((full | clear) == 0xffff) {
+            alphas->count[0][0] += (uint32_t) __builtin_popcount(clear);
+            alphas->count[0][255] += (uint32_t) __builtin_popcount(full);
+            continue;
+        }
         alphas->in_disc += are_in_disc(a) + are_in_disc(b);
         /* Neighbors are often alike, and a count waits for the one before it in the same place. */
         for (int32_t k = 0; k < GROUP; k += 4) {

@@ -100,10 +100,12 @@ typedef int32_t ntp__count8_fn(ntp__cell_counts *counts, ntp__found8 *found, con
 typedef struct ntp__alphas8 {
     uint32_t count[4][256];
     uint64_t in_disc;
+    uint32_t color,
+        clear; /* of those of alpha 0 that are hidden: their one color, and how many; 0: any color */
 } ntp__alphas8;
 
-/* Adds texels of 4 channels of 8 bit, a group of NTP__KERNEL_STEP after the other, up to one in which an alpha is
- * less than `visible`, 0 or 1.  Returns of how many. */
+/* Adds texels of 4 channels of 8 bit, a group of NTP__KERNEL_STEP after the other, up to one with another color
+ * that is hidden, as its alpha is less than `visible`, 0 or 1.  Returns of how many. */
 typedef int32_t ntp__count_alpha8_fn(ntp__alphas8 *alphas, const uint8_t *src, int32_t n,
                                      int32_t visible);
 
