@@ -5,6 +5,7 @@
 #include "measure/tally.h"
 
 #include "base/cpu.h"
+#include "base/inlining.h"
 #include "texel/kernels_avx512.h"
 #include "texel/level.h"
 
@@ -485,11 +486,16 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     packed_counts packed;
     begin_packed(&packed, touch_unused, false);
     begin_packed(&left.narrow, touch_unused, true);
+    left.narrow.alpha.visible = 0; /* colors of alpha 0 are counted apart */
+    left.clear = false;
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, &left, &packed, src, rect.x0, rect.x1, y);
     end_survey(tally, &packed);
     end_waiting(tally, &left);
-    end_alpha(tally, &packed.alpha);
+    if (src->channels == 4) {
+        end_alpha(tally, &packed.alpha);
+        end_alpha(tally, &left.narrow.alpha);
+    }
     tally->texels += width * height;
     return NTP_OK;
 }

@@ -12,7 +12,8 @@ typedef struct waiting {
     int32_t n;
     int32_t noise;                    /* blocks to come in which exact ones are not looked for */
     ntp__count_exact_fn *count_exact; /* NULL where planes are as fast */
-    packed_counts narrow;
+    bool clear;                       /* the block before had texels that no alpha shows */
+    packed_counts narrow;             /* also counts alpha, of 16 bit rounded to 8 */
 } waiting;
 
 enum { NOISE = 7 };
@@ -142,7 +143,74 @@ static void count_words(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
     }
 }
 
-/* Texels with and without alpha may take turns, so there is no branch for each. */
+/* What is to be known of the alpha of a block; and how many texels are used. */
+typedef struct alpha16 {
+    int32_t used, clear;
+    uint16_t every;
+    uint64_t colors; /* the bits of any that is clear */
+} alpha16;
+
+/* The colors of texels, all of which are used if none is clear. */
+static alpha16 take_all(uint16_t *rgb, const uint16_t *p, int32_t n)
+{
+    alpha16 found = { n, 0, 65535, 0 };
+    for (int32_t i = 0; i < n; i++) {
+        uint64_t texel;
+        memcpy(&texel, p + 4 * i, sizeof texel);
+        memcpy(rgb + 3 * i, &texel, sizeof texel);
+        found.every &= p[4 * i + 3];
+        found.clear += p[4 * i + 3] == 0;
+    }
+    return found;
+}
+
+/* Those of used ones.  Texels with and without alpha may take turns, so there is no branch for each. */
+static alpha16 take_used(uint16_t *rgb, const uint16_t *p, int32_t n, int32_t touched)
+{
+    alpha16 found = { 0, 0, 65535, 0 };
+    for (int32_t i = 0; i < n; i++) {
+        const uint16_t *const from = p + 4 * i;
+        uint64_t texel;
+        memcpy(&texel, from, sizeof texel);
+        memcpy(rgb + 3 * found.used, &texel, sizeof texel);
+        const int32_t is_clear = from[3] == 0;
+        found.colors |= texel & (0 - (uint64_t) is_clear);
+        found.clear += is_clear;
+        found.every &= (uint16_t) (from[3] - is_clear); /* 65535 for 0 */
+        found.used += touched | (from[3] != 0);
+    }
+    return found;
+}
+
+/* Alpha that is not only 0 and M.  Unused texels are not on the disc: they have an alpha of 0, or a green of 0 or M. */
+static void count_alpha16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+{
+    const uint64_t one = 0x0001000100010001;
+    uint8_t narrow[4 * NTP__BLOCK];
+    uint32_t sum = 0, least = 65535, greatest = 0, wide = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const uint32_t a = p[4 * i + 3];
+        uint64_t texel;
+        memcpy(&texel, p + 4 * i, sizeof texel);
+        /* ntp__narrow of four at once: no difference or sum leaves its 16 bits */
+        texel = texel - (texel >> 8 & 255 * one) + (texel >> 15 & one) + 127 * one;
+        texel = texel >> 8 & 255 * one;
+        texel = (texel | texel >> 8) & 0x0000ffff0000ffff;
+        const uint32_t four = (uint32_t) (texel | texel >> 16);
+        memcpy(narrow + 4 * i, &four, sizeof four);
+        sum += a; /* below 2^24 */
+        least = a < least ? a : least;
+        greatest = a > greatest ? a : greatest;
+        wide |= a >> 8 ^ a;
+        t->wide_alpha_ends[1] += a == 65535;
+    }
+    count_alphas(t, &w->narrow.alpha, narrow, n);
+    t->is_wide |= (wide & 255) != 0;
+    t->alpha_levels.sum += sum;
+    ntp__merge_max(&t->alpha_levels.max, greatest);
+    ntp__merge_max(&t->alpha_levels.inverted_min, ~least);
+}
+
 static void count_rgba16(ntp_tally *t, waiting *w, const ntp_const_image *src, int32_t x, int32_t y,
                          int32_t n)
 {
@@ -150,46 +218,37 @@ static void count_rgba16(ntp_tally *t, waiting *w, const ntp_const_image *src, i
     const uint16_t *const p = ntp__at(src, x, y);
     const int32_t touched = (t->touched & NTP_UNUSED_TRANSPARENT) != 0;
     uint16_t rgb[3 * NTP__BLOCK + 1];
-    int32_t used = 0, opaque = 0, clear = 0;
-    uint64_t colors = 0; /* of those that are clear */
-    for (int32_t i = 0; i < n; i++) {
-        const uint16_t *const from = p + 4 * i;
-        uint64_t texel;
-        memcpy(&texel, from, sizeof texel);
-        memcpy(rgb + 3 * used, &texel, sizeof texel);
-        const int32_t is_clear = from[3] == 0;
-        colors |= texel & (0 - (uint64_t) is_clear);
-        clear += is_clear;
-        opaque += from[3] == M;
-        used += touched | (from[3] != 0);
-    }
-    ntp__block block;
-    const bool plain = opaque + clear == n && (clear == 0 || !touched);
-    const bool black = clear == 0 || (colors == 0 && !(t->touched & NTP_UNUSED_BLACK));
-    if (!(plain && black))
-        ntp__unpack(&block, src, x, y, n);
-    if (plain) {
+    alpha16 found = { 0 };
+    if (!w->clear)
+        found = take_all(rgb, p, n);
+    if (w->clear || found.clear > 0)
+        found = take_used(rgb, p, n, touched);
+    w->clear = found.clear > 0;
+    t->wide_alpha_ends[0] += (uint32_t) found.clear;
+    if (found.every == M) {
+        const int32_t opaque = n - found.clear;
         t->alpha[255] += (uint32_t) opaque;
-        t->alpha[0] += (uint32_t) clear;
-        t->wide_alpha_ends[0] += (uint32_t) clear;
+        t->alpha[0] += (uint32_t) found.clear;
         t->wide_alpha_ends[1] += (uint32_t) opaque;
         t->alpha_levels.sum += (uint64_t) (uint32_t) opaque * M;
         ntp__merge_max(&t->alpha_levels.max, opaque > 0 ? M : 0);
-        ntp__merge_max(&t->alpha_levels.inverted_min, ~(clear > 0 ? 0U : M));
+        ntp__merge_max(&t->alpha_levels.inverted_min, ~(found.clear > 0 ? 0U : M));
     } else {
-        count_alpha(t, &block, n, M, false);
+        count_alpha16(t, w, p, n);
     }
-    count_words(t, w, rgb, used);
-    if (used == n)
+    count_words(t, w, rgb, found.used);
+    if (found.used == n)
         return;
-    if (black) {
+    if (found.colors == 0 && !(t->touched & NTP_UNUSED_BLACK)) {
         for (int32_t k = 0; k < 3; k++)
             add_levels(&t->channel[k], 0);
-        t->gray += (uint32_t) clear;
-        t->black += (uint32_t) clear;
+        t->gray += (uint32_t) found.clear;
+        t->black += (uint32_t) found.clear;
         return;
     }
+    ntp__block block;
     int32_t unused = 0;
+    ntp__unpack(&block, src, x, y, n);
     for (int32_t i = 0; i < n; i++) {
         const int32_t a = block.c[3][i];
         for (int32_t k = 0; k < 3; k++)

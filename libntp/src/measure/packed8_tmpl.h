@@ -150,7 +150,7 @@ static void end_alpha(ntp_tally *t, alpha_counts *c)
 }
 
 /* Texels of alpha 0 that are unused for it, if they are not for their color. */
-static inline void count_clear(ntp_tally *t, alpha_counts *c, uint32_t color, uint32_t count)
+ONE_COPY static void count_clear(ntp_tally *t, alpha_counts *c, uint32_t color, uint32_t count)
 {
     const uint32_t golden_section = 2654435769u; /* of 2^32: spreads similar colors */
     t->narrow -= count;
