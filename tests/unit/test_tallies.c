@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { W = 256, H = 100, FEW_ROWS = 9, KINDS = 5, WAYS = 6 };
+enum { W = 256, H = 100, FEW_ROWS = 9, KINDS = 6, WAYS = 6 };
 
-typedef enum kind { CLEAN, SOME_FAR, NOISE, BANDS, STRIPES } kind;
+typedef enum kind { CLEAN, SOME_FAR, NOISE, BANDS, STRIPES, ALPHAS } kind;
 
 typedef struct facts {
     ntp_stats stats[2];
@@ -75,6 +75,15 @@ static void draw_stripes(uint16_t *p, int32_t x, int32_t y)
         p[0] = p[1] = p[2] = 0;
 }
 
+/* Colors of 8 bit, with alpha of 16 bit around the middle between any two of 8 bit. */
+static void draw_alphas(uint16_t *p, int32_t x, int32_t y, uint32_t any)
+{
+    const int32_t by = most() / 255, alpha = 257 * x + 128 + y - H / 2;
+    for (int32_t c = 0; c < 3; c++)
+        p[c] = (uint16_t) ((int32_t) (any >> 8 * c & 255) * by);
+    p[3] = (uint16_t) (alpha > 65535 ? most() : alpha * by / 257);
+}
+
 static void store(int32_t at, uint16_t sample)
 {
     if (type == NTP_TYPE_U8)
@@ -102,6 +111,8 @@ static void draw(kind k, int32_t channels, uint64_t *seed)
             draw_background(p, i % W, i / W);
         if (k == STRIPES)
             draw_stripes(p, i % W, i / W);
+        if (k == ALPHAS)
+            draw_alphas(p, i % W, i / W, any);
         for (int32_t c = 0; c < channels; c++)
             store(i * channels + c, p[c]);
     }
