@@ -256,5 +256,16 @@ static void count_rgba16(ntp_tally *t, waiting *w, const ntp_const_image *src, i
         block.c[3][unused] = 0;
         unused += a == 0;
     }
-    count_planes(t, &w->narrow, &block, unused, M, false);
+    ntp__survey survey;
+    ntp__kernels(NTP__CPU_ALL)->survey(&survey, block.c[0], block.c[1], block.c[2], unused);
+    add_planes(t, &survey);
+    /* What is gray or of 8 bit is told apart, and runs of one color are judged once. */
+    if (survey.odd != 0 ||
+        (survey.least[0] == survey.greatest[0] && survey.least[1] == survey.greatest[1])) {
+        count_each(t, &w->narrow, &block, unused, M);
+        return;
+    }
+    t->is_wide = 1;
+    t->transparent += (uint32_t) unused;
+    ntp__add_block(&t->transparent_wide, &block, NULL, unused, M, NTP_ENCODING_STANDARD);
 }
