@@ -86,6 +86,19 @@ static add_blues_fn *blues_adder(void)
     return add_blues;
 }
 
+/* The cells of a row; of a dense one also those of no texels. */
+static inline int32_t read_cells(ntp__cells *cells, const ntp_tally *t, int32_t row,
+                                 ntp__row_cells_fn *read_row)
+{
+#ifdef NTP_HAVE_AVX2
+    if (t->cells.at.row_seen[row] & NTP__SEEN_DENSE) {
+        ntp__dense_cells_avx2(cells, &t->cells, row);
+        return 256;
+    }
+#endif
+    return read_row(cells, &t->cells, row);
+}
+
 static void add_cells(blue_sums *sums, const ntp_tally *t)
 {
     ntp__row_cells_fn *const read_row = ntp__row_reader();
@@ -96,15 +109,7 @@ static void add_cells(blue_sums *sums, const ntp_tally *t)
         if (rest < 0)
             continue;
         blue_row row = row_of(sqrt((double) rest) / 255);
-#ifdef NTP_HAVE_AVX2
-        if (t->cells.at.row_seen[i] & NTP__SEEN_DENSE) {
-            ntp__dense_cells_avx2(&cells, &t->cells, i);
-            add(sums, &row, &cells, 256);
-            add_row(sums, &row);
-            continue;
-        }
-#endif
-        add(sums, &row, &cells, read_row(&cells, &t->cells, i));
+        add(sums, &row, &cells, read_cells(&cells, t, i, read_row));
         add_row(sums, &row);
     }
 }

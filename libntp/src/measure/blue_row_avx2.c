@@ -76,9 +76,9 @@ void ntp__add_blues_avx2(ntp__blue_sums *sums, ntp__blue_row *row, const ntp__ce
     row->blue = four[1];
     row->blue2 = four[2];
     sums->above += four[3];
-    _mm256_storeu_pd(four, sums_of(s.near[0], s.near[1], zero, zero));
-    sums->near[0] += four[0];
-    sums->near[1] += four[1];
+    const __m256d near = _mm256_hadd_pd(s.near[0], s.near[1]);
+    const __m128d both = _mm_add_pd(_mm256_castpd256_pd128(near), _mm256_extractf128_pd(near, 1));
+    _mm_storeu_pd(sums->near, _mm_add_pd(_mm_loadu_pd(sums->near), both));
     _mm_storeu_pd(sums->off, s.off);
     end_lanes();
 }

@@ -18,6 +18,7 @@
  *   summarize.c      from the sums to ntp_stats, which users read, and to the evidence
  *   evidence.h       what classify/ asks beyond ntp_stats
  *   blue_evidence.c  the part of it that compares blue with red and green
+ *   blue_row.h       what that adds up of the cells of a row, also with AVX2
  *   merge.c          merges and empties tallies and sums
  *   merge.h          adds counts, and takes greater values
  */
