@@ -172,7 +172,8 @@ static inline void turns_of(int32_t *angle, double *u, double *base, const doubl
         const __m128i down = arcs_of(&more, u + i, base + i);
         const __m128i doubt = _mm_xor_si128(down, more);
         store_four(angle + i, down);
-        for (int32_t k = 0; !_mm_testz_si128(doubt, doubt) && k < 4; k++)
+        /* behind the last one are any numbers, of which there may be no angle */
+        for (int32_t k = 0; !_mm_testz_si128(doubt, doubt) && k < 4 && i + k < n; k++)
             angle[i + k] =
                 (int32_t) (ntp__radians(sqrt(s2[i + k]), d[i + k]) * (180e6 / NTP__PI) + 0.5);
     }
