@@ -228,7 +228,7 @@ ONE_COPY static uint32_t keep_base(texels *t, const planes *p, int32_t i, const 
     return (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(kept));
 }
 
-static inline __m256i rest_of_pair(__m256i pair, const constants *c)
+static ALWAYS_INLINE __m256i rest_of_pair(__m256i pair, const constants *c)
 {
     return _mm256_sub_epi32(_mm256_set1_epi32(c->deep ? REST_16 : REST_8), sum_of_pair(pair));
 }

@@ -50,7 +50,7 @@ static inline texels take8(const uint8_t *s)
     return spread8(load_48(s));
 }
 
-static inline texels take16(const uint8_t *s)
+static ALWAYS_INLINE texels take16(const uint8_t *s)
 {
     const __m512i v = _mm512_loadu_si512(s);
     const __m512i w = _mm512_zextsi256_si512(_mm256_loadu_si256((const void *) (s + 64)));
@@ -73,7 +73,7 @@ static inline void put8(uint8_t *d, texels t)
     _mm_storeu_si128((void *) (d + 32), _mm512_extracti32x4_epi32(v, 2));
 }
 
-static inline void put16(uint8_t *d, texels t)
+static ALWAYS_INLINE void put16(uint8_t *d, texels t)
 {
     /* 32 and more: of blue */
     static const uint8_t from[64] = {
