@@ -480,14 +480,13 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     waiting left;
     left.n = left.noise = 0;
     left.count_exact = exact_kernel();
-    left.block.any_broken = false;
+    left.block.any_broken = left.clear = false;
     for (int32_t i = 0; i < NTP__BLOCK; i++)
         left.block.c[3][i] = 65535;
     packed_counts packed;
     begin_packed(&packed, touch_unused, false);
     begin_packed(&left.narrow, touch_unused, true);
     left.narrow.alpha.visible = 0; /* colors of alpha 0 are counted apart */
-    left.clear = false;
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, &left, &packed, src, rect.x0, rect.x1, y);
     end_survey(tally, &packed);

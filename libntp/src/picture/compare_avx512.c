@@ -24,6 +24,7 @@
  */
 #include "picture/compare_avx2.h"
 
+#include "base/lanes_avx2.h"
 #include "picture/small_angles.h"
 #include "texel/packed_avx512_tmpl.h"
 
@@ -436,5 +437,6 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
     count_rest(&p);
     out->found = out->different - out->left;
     out->different += p.unused;
+    end_lanes();
     return span - rest;
 }
