@@ -14,6 +14,7 @@
 
 #include "cli.h"
 #include "os/console.h"
+#include "os/files.h"
 #include "os/memory.h"
 #include "os/threads.h"
 
@@ -22,6 +23,7 @@ enum {
     POLL_MS = 100,            /* how often the main thread looks at signals and progress */
     FIRST_PROGRESS_MS = 1000, /* a shorter run needs no bar */
     MAX_WORKERS = 256,
+    SMALL_FILE = 2 << 20 /* bytes */
 };
 
 typedef struct queue {
@@ -176,11 +178,20 @@ static unsigned finish(unsigned ran)
     return ran;
 }
 
+/* Of a small file most time goes into pages that are used for the first time.  A larger one gains little by large
+ * pages, of which parts may stay unused. */
+static bool is_small(const input *in)
+{
+    os_file file;
+    return os_look(in->path, &file) && file.kind == OS_REGULAR && file.size <= SMALL_FILE;
+}
+
 /* One input without a progress bar: starting a thread would cost a tenth of the time of a small file.  Its
  * memory is not used again.  Who only reads a file takes less of it than a large page. */
 static unsigned run_alone(const batch *b)
 {
-    void *const aside = b->reads_only ? NULL : os_large_pages_for_malloc();
+    const bool large = !b->reads_only && is_small(&b->inputs->at[0]);
+    void *const aside = large ? os_large_pages_for_malloc() : NULL;
     worker *w = worker_new();
     w->threads = threads_allowed(b);
     result r = { 0 };
