@@ -153,6 +153,45 @@ def test_floats():
     assert np.array_equal(mirrored[..., 1], (1 - biased[:0:-1, :, 1].astype(float)).astype("f4"))
 
 
+def float_levels(v, vector):
+    """As definitions of float samples say; products of 40 bits are exact."""
+    v = np.nan_to_num(v.astype(np.float64), nan=-2.0 if vector else 0.0, posinf=9e9, neginf=-9e9)
+    if vector:
+        return (65536 + np.floor(np.clip(v * 65535, -65536, 65535))) // 2
+    return np.clip(np.floor(v * 65535 + 0.5), 0, 65535)
+
+
+@pytest.mark.parametrize("channels", [3, 4])
+@pytest.mark.parametrize("encoding", [ntp.STANDARD, ntp.ZZERO, ntp.VECTOR])
+def test_unused_floats(encoding, channels):
+    """All texels of a run are turned at once if none may be unused: here some, one, or none are."""
+    rng = np.random.default_rng(channels)
+    vector = encoding == ntp.VECTOR
+    ends = [0, 0.4 / 65535, 0.6 / 65535, 1e-4, 0.9999, 65534.4 / 65535, 65534.6 / 65535, 1, 2]
+    special = [*ends, *(-v for v in ends), 0.5, 1e-42, 3e38, -3e38, np.nan, np.inf, -np.inf]
+    special += [np.nextafter(np.float32(v), np.float32(w)) for v in ends for w in (-9, 9)]
+    src = (rng.random((900, 7, channels)) * (2 if vector else 1) - vector).astype(np.float32)
+    src[..., 3:] = np.abs(src[..., 3:])
+    src[:300] = rng.choice(np.array(special, np.float32), (300, 7, channels))
+    for row in range(300, 600):  # one sample of another kind, or a texel of one
+        at = rng.integers(7)
+        some = slice(None) if row % 2 else rng.integers(channels)
+        src[row, at, some] = rng.choice(np.array(special, np.float32))
+    zero = np.array([-0.0, 0, 0] if vector else [0.5, 0.5, 0 if encoding == ntp.ZZERO else 0.5])
+    src[rng.random(src.shape[:2]) < 0.01, :3] = zero
+    unused = ~np.isfinite(src[..., :3]).all(-1) | (src[..., :3] == zero).all(-1)
+    levels = float_levels(src, vector)
+    unused |= (levels[..., :3] == 0).all(-1) | (levels[..., :3] == 65535).all(-1)
+    if channels == 4:
+        unused |= float_levels(src[..., 3], False) == 0
+    assert 0 < unused[600:].sum() < 200 < unused[:300].sum() < 2000
+    want = src.copy()
+    mirrored = (0.0 if vector else 1.0) - src[..., 0].astype(np.float64)
+    want[..., 0] = np.where(unused, src[..., 0], mirrored.astype(np.float32))
+    got = transform(src, (1, 0), encoding=encoding)
+    assert np.array_equal(got.view(np.uint32), want[:, ::-1].copy().view(np.uint32))
+
+
 def test_float_strength_goes_by_16_bit():
     levels = noise((6, 9, 4), 65535, 8)
     want = transform(levels, strength=2.5) / 65535.0

@@ -10,6 +10,7 @@
  *   resize_weights.c  the weights of the filters, as integers
  *   transform.c       ntp_transform: flips, turns, strength
  *   rotate.c          its turns by other angles than quarter turns
+ *   turn_floats.c     its flips and quarter turns of floats
  *   blend.c           ntp_blend: a detail texture over a base
  */
 #ifndef NTP_RESIZE_H

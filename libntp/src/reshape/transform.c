@@ -11,6 +11,7 @@
 #include "base/rgb_avx2.h"
 #include "reshape/mix_avx2.h"
 #include "reshape/rotate.h"
+#include "reshape/turn_floats.h"
 #include "texel/unused.h"
 #include "texel/level.h"
 
@@ -181,28 +182,6 @@ static void turn_block(const job *j, ntp__block *block, int32_t n)
     memcpy(block->c[1], turned[1], (size_t) n * sizeof turned[1][0]);
 }
 
-/* Floats that are only moved and mirrored keep all their bits. */
-SELDOM static void move_floats(const job *j, const ntp__block *block, int32_t x, int32_t y,
-                               int32_t n)
-{
-    bool vector = j->src.encoding == NTP_ENCODING_VECTOR;
-    size_t bytes = (size_t) j->src.channels * sizeof(float);
-    const char *s = ntp__at(&j->src, x, y);
-    char *d = ntp__at_mut(j->dst, x, y);
-    for (int32_t i = 0; i < n; i++, s += j->src.pixel_stride, d += j->dst->pixel_stride) {
-        float in[4], out[4];
-        memcpy(in, s, bytes);
-        memcpy(out, s, bytes);
-        if (!ntp__texel_unused(block, i, j->m, 0)) {
-            float r = in[j->swap], g = in[!j->swap];
-            double one = vector ? 0.0 : 1.0;
-            out[0] = j->mirror_r ? (float) (one - (double) r) : r;
-            out[1] = j->mirror_g ? (float) (one - (double) g) : g;
-        }
-        memcpy(d, out, bytes);
-    }
-}
-
 SELDOM static void keep_unused_floats(const job *j, const ntp__block *block, int32_t x, int32_t y,
                                       int32_t n)
 {
@@ -312,12 +291,13 @@ static void transform_run(const job *j, int32_t x, int32_t y, int32_t n)
     if (transform_reversed(j, x, y, n) || turn_packed(j, x, y, n) ||
         strengthen_packed(j, x, x + n, y))
         return;
-    ntp__unpack(&block, &j->src, x, y, n);
-    bool floats = j->src.type == NTP_TYPE_F32;
+    const bool floats = j->src.type == NTP_TYPE_F32;
     if (floats && !j->stronger) {
-        move_floats(j, &block, x, y, n);
+        const ntp__turning how = { j->swap, j->mirror_r, j->mirror_g };
+        ntp__turn_floats(j->dst, &j->src, &how, x, y, n);
         return;
     }
+    ntp__unpack(&block, &j->src, x, y, n);
     ntp__block before;
     if (floats)
         before = block;
