@@ -3,8 +3,9 @@
  * test_samples.c - packed texels of 8 bit are sampled, and their alpha is counted
  *
  * Runs of any length begin or end at a guard page.  They are added up here texel by texel; lengths after gamma
- * by the inequality of the documentation, over tables of random squares.  Where a texel stops a kernel, all whole
- * groups before it are done.  Unused ones stop none, and have steps alone.  Padding is added up besides, whichever way a tally takes.
+ * by the inequality of the documentation, over tables of random squares.  Unused texels have steps alone.  Padding
+ * is added up besides, whichever way a tally takes.  Of alpha, all whole groups are counted before one with another
+ * hidden color.
  */
 #include "guarded.h"
 #include "measure/tally.h"

@@ -18,12 +18,6 @@ enum { M = 65535, LANES = 4, SKIPPED = 77 };
 #ifdef NTP_HAVE_AVX2
 #  include "base/cpu.h"
 
-static uint32_t next(uint64_t *seed)
-{
-    *seed = *seed * 6364136223846793005U + 1442695040888963407U;
-    return (uint32_t) (*seed >> 33);
-}
-
 /* Of a pair that is too long: is the angle to its clean vector hardly off the middle of two micro-degrees? */
 static bool is_in_doubt(const int32_t c[3])
 {
@@ -42,9 +36,9 @@ static void find_doubt(int32_t c[3])
 {
     uint64_t seed = 2026;
     do {
-        c[0] = M - (int32_t) (next(&seed) % 8192);
-        c[1] = (int32_t) (next(&seed) % 65536);
-        c[2] = 40000 + (int32_t) (next(&seed) % 20000);
+        c[0] = M - random_level(&seed, 8191);
+        c[1] = random_level(&seed, M);
+        c[2] = 40000 + random_level(&seed, 19999);
     } while (ntp__rest(c[0], c[1], M) >= 0 || !is_in_doubt(c));
 }
 

@@ -13,8 +13,8 @@
 /* The instruction sets that a mask allows. */
 enum { NTP__CPU_AVX2 = 1, NTP__CPU_AVX512 = 2, NTP__CPU_ALL = -1 };
 
-/* Does this processor have AVX2, with fused products (FMA), and does the mask allow it?  The mask is for tests.  Benchmarks
- * define a function of this name themselves: the linker then leaves out that of the archive. */
+/* Does this processor have AVX2 and fused products (FMA), and does the mask allow these?  The mask is for tests.
+ * Benchmarks define a function of this name themselves: the linker then leaves out that of the archive. */
 bool ntp__cpu_has_avx2(int mask);
 
 /* And AVX-512 with its instructions on bytes (BW, VBMI), which few loops have?  No without AVX2. */

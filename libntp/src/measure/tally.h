@@ -158,8 +158,8 @@ ntp_status ntp__sum_up(ntp_tally *tally, ntp_encoding encoding);
 /* Fills in how blue depends on red and green (blue_evidence.c). */
 void ntp__describe_blue(ntp__evidence *evidence, const ntp_tally *tally);
 
-/* May a texel of a whole block have another color than the one that is noted?  Black and white ones have not where these are
- * unused.  Without branches, as of two colors any may come next. */
+/* May a texel of a whole block have another color than the one that is noted?  Black and white ones that are unused
+ * do not count.  Without branches, as of two colors any may come next. */
 static inline bool ntp__may_differ(const ntp_tally *t, const ntp__block *block, int32_t m)
 {
     const int32_t black = t->touched & NTP_UNUSED_BLACK ? 1 : 0;
