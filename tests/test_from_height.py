@@ -73,13 +73,17 @@ def test_float_heights_of_any_size(source):
                 assert np.array_equal(ours, expected), (size, scale, kernel)
 
 
+@pytest.mark.parametrize("dtype", [np.uint16, np.float32])
 @pytest.mark.parametrize("encoding", [ntp.STANDARD, ntp.ZZERO, ntp.XY, ntp.VECTOR])
-def test_float_normals_are_nearest(encoding):
+def test_float_normals_are_nearest(encoding, dtype):
+    """A height that is not finite has all texels around it made exactly, without the loops."""
     rng = np.random.default_rng(21)
     cases = [(s, z) for s in SCALES[:11] + [1e3, 1e6, 1e12] for z in (0.0, 0.25, 1.0)]
     for scale, min_z in cases:
-        src = random_heights(rng, (5, 5), np.uint16)
-        src[2:4, :3] = 7
+        src = random_heights(rng, (5, 5), dtype)
+        src[2:4, :3] = src[2, 0]
+        if dtype == np.float32:
+            src[rng.integers(5), rng.integers(5)] = np.nan
         kernel = model.NAMES[rng.integers(10)]
         ours, _, _ = from_height(
             src, encoding, scale=scale, min_z=min_z, kernel=kernel, dst=np.float32
@@ -87,7 +91,8 @@ def test_float_normals_are_nearest(encoding):
         h = model.heights(src)
         for y in range(5):
             for x in range(5):
-                p, q = model.slopes(h, x, y, kernel, 0, 0, scale, 1.0, 1.0)
+                slopes = model.slopes(h, x, y, kernel, 0, 0, scale, 1.0, 1.0)
+                p, q = slopes or (Fraction(0), Fraction(0))
                 x2, y2, z2 = model.components(p, q, min_z)
                 unit = encoding != ntp.VECTOR
                 want = [
@@ -98,6 +103,23 @@ def test_float_normals_are_nearest(encoding):
                 if encoding == ntp.XY:
                     want[2] = 1
                 assert ours[y, x].tolist() == want, (scale, min_z, kernel, x, y)
+
+
+@pytest.mark.parametrize("encoding", [ntp.STANDARD, ntp.VECTOR])
+@pytest.mark.parametrize("source", ["red", "luma", "screen"])
+def test_rows_of_floats_are_exact(encoding, source):
+    """Long rows: most texels by loops, and the same ones where a height that is not finite stops these."""
+    rng = np.random.default_rng(22)
+    for size in (1e-40, 1e-3, 1.0, 1e9):
+        src = (rng.normal(size=(7, 300, 3)) * size).astype(np.float32)
+        for scale in (0.7, 1 / max(size, 1e-30), 1e4):
+            for border in (0, 4):
+                how = {"scale": scale, "border_x": border, "dst": np.float32, "kernel": "sobel3"}
+                ours, _, _ = from_height(src, encoding, source=source, **how)
+                bad = src.copy()
+                bad[:, 0] = np.nan
+                exact, _, _ = from_height(bad, encoding, source=source, **how)
+                assert np.array_equal(ours[:, 2:254], exact[:, 2:254]), (size, scale, border)
 
 
 # ---------------------------------------------------------------------- ties and near-ties
@@ -139,6 +161,35 @@ def test_near_ties(m, dst):
             took += exact
             p, q = model.slopes(model.heights(src), 1, 1, "central", 0, 0, s, 1.0, 1.0)
             assert tuple(ours[1, 1].tolist()) == model.texel(p, q, m), (src, s)
+    assert took > 300
+
+
+@pytest.mark.parametrize("unit", [False, True])
+def test_near_ties_of_floats(unit):
+    """Scales that put n.x, or (n.x + 1)/2, so close to the middle of two floats that a double
+    cannot decide."""
+    rng = np.random.default_rng(4)
+    took = 0
+    for _ in range(150):
+        middle = Fraction(2 * int(rng.integers(2**23 + 1, 2**24)) + 1, 2**25)
+        t = 2 * middle - 1 if unit else middle
+        d, e = int(rng.integers(1, 256)), int(rng.integers(-2, 3))
+        rest = 1 - t * t * (1 + Fraction(e * e, d * d))
+        if rest <= 0 or t == 0:
+            continue
+        scale = -float(t / d * 510) / math.sqrt(rest)
+        src = np.full((3, 3), 128, np.uint8)
+        src[1] = [0, 99, d]
+        src[0, 1], src[2, 1] = 100 + e, 100
+        encoding = ntp.STANDARD if unit else ntp.VECTOR
+        how = {"dst": np.float32, "area": (1, 1, 2, 2)}
+        for s in (math.nextafter(scale, 0), scale, math.nextafter(scale, -math.inf)):
+            ours, exact, _ = from_height(src, encoding, scale=s, **how)
+            took += exact
+            p, q = model.slopes(model.heights(src), 1, 1, "central", 0, 0, s, 1.0, 1.0)
+            x2, y2, _ = model.components(p, q, 0.0)
+            want = [model.nearest_float(x2, p > 0, unit), model.nearest_float(y2, q > 0, unit)]
+            assert ours[1, 1, :2].tolist() == want, (src, s)
     assert took > 300
 
 

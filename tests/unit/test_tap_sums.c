@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * test_tap_sums.c - tap sums of rows of heights: as the table of kernels says, and the same bytes with
- * every instruction set
+ * every instruction set; and so are floats that are made of sums
  */
 #include "from_height/gradient.h"
 #include "guarded.h"
@@ -64,6 +64,36 @@ static void test_sums(const ntp__gradient_kernels *base, const ntp__gradient_ker
     }
 }
 
+/* Floats of every instruction set are those of the base level, and so are their doubts. */
+static void test_floats_of_sums(const ntp__gradient_kernels *base,
+                                const ntp__gradient_kernels *level, int32_t n, uint64_t *seed)
+{
+    static const double SCALES[] = { 1e-44, 1e-6, 0.02, 30, 1e9 };
+    for (int choice = 0; choice < 40; choice++) {
+        const ntp__encode e = { .cx = SCALES[choice % 5],
+                                .cy = -SCALES[choice % 5],
+                                .shortened = 0.8,
+                                .use_shortened = choice & 1,
+                                .min_z = choice & 1 ? 0.6 : 0,
+                                .zzero = choice & 2,
+                                .unit = choice & 4,
+                                .rough = next(seed) % 2 ? 0 : 1e-9 };
+        static float got[2][3][WIDEST];
+        static int32_t doubt[2][WIDEST];
+        static double sum[2][WIDEST];
+        for (int32_t i = 0; i < 2 * n; i++)
+            sum[i % 2][i / 2] =
+                next(seed) % 8 ? ((double) (next(seed) % 40001) - 20000) * 0x1p-9 : 0;
+        for (int k = 0; k < 2; k++) {
+            float *const to[3] = { got[k][0], got[k][1], got[k][2] };
+            (k ? level : base)->encode_floats(to, doubt[k], sum[0], sum[1], n, &e);
+            CHECK(memcmp(doubt[0], doubt[k], (size_t) n * sizeof doubt[0][0]) == 0);
+            for (int c = 0; c < 3; c++)
+                CHECK(memcmp(got[0][c], got[k][c], (size_t) n * sizeof got[0][c][0]) == 0);
+        }
+    }
+}
+
 int main(int argc, char **argv)
 {
     bool avx2 = argc > 1 && strcmp(argv[1], "avx2") == 0;
@@ -72,7 +102,9 @@ int main(int argc, char **argv)
     uint64_t seed = 88172645463325252u;
     const ntp__gradient_kernels *base = ntp__gradient_kernels_for(0);
     const ntp__gradient_kernels *level = ntp__gradient_kernels_for(avx2 ? NTP__CPU_AVX2 : 0);
-    for (int32_t n = 1; n <= WIDEST; n += n < 40 ? 1 : 27)
+    for (int32_t n = 1; n <= WIDEST; n += n < 40 ? 1 : 27) {
         test_sums(base, level, n, &seed);
+        test_floats_of_sums(base, level, n, &seed);
+    }
     return 0;
 }

@@ -86,11 +86,13 @@ static void set_arithmetic(walk *w, double greatest)
     const ntp__gradient *g = &w->g;
     const double least = w->floats ? least_for_floats : least_single;
     const double most = greatest > 1 ? greatest : 1;
-    w->doubles = g->m > 0 && within(&g->x, g->cx, least_double, most_double, greatest) &&
+    w->doubles = (g->m > 0 || g->shortened > 0) &&
+                 within(&g->x, g->cx, least_double, most_double, greatest) &&
                  within(&g->y, g->cy, least_double, most_double, greatest);
     w->single = w->doubles && within(&g->x, g->cx, least, most_single, most) &&
                 within(&g->y, g->cy, least, most_single, most);
     w->encode.off = 1;
+    w->encode.rough = 0;
 }
 
 /* The tap sums, in doubles, are off by up to greatest * sum_error.  No component of a normal
@@ -98,7 +100,8 @@ static void set_arithmetic(walk *w, double greatest)
 static void set_inexact(walk *w, double greatest)
 {
     double cx = w->g.cx < 0 ? -w->g.cx : w->g.cx, cy = w->g.cy < 0 ? -w->g.cy : w->g.cy;
-    const double off = w->encode.half * (cx + cy) * greatest * sum_error;
+    w->encode.rough = (cx + cy) * greatest * sum_error;
+    const double off = w->encode.half * w->encode.rough;
     w->doubles = w->doubles && off < 0.25;
     if (w->doubles)
         w->encode.off = 2 + (int32_t) (off * NTP__OFF_ONE);
@@ -127,6 +130,8 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
     w->encode.side = (float) g->kernel->term[0].across[NTP__MAX_RADIUS - 1];
     w->encode.middle = (float) g->kernel->term[0].across[NTP__MAX_RADIUS];
     w->encode.zzero = dst->encoding == NTP_ENCODING_ZZERO;
+    w->encode.unit = dst->encoding != NTP_ENCODING_VECTOR;
+    w->encode.min_z = g->min_z;
     if (!w->floats) {
         set_arithmetic(w, w->greatest);
         if (w->greatest > 0x1p53)
@@ -313,16 +318,14 @@ static bool encode(walk *w, strip *s, const facts *f, int32_t n)
     return ((any ? settle_in_double(w, s, n) : 0) | too_long) != 0;
 }
 
-static void settle_exactly(walk *w, const strip *s, int32_t c[3], int32_t x, int32_t y, int32_t i,
-                           bool known)
+static void settle_exactly(walk *w, const strip *s, ntp__normal *normal, int32_t x, int32_t y,
+                           int32_t i)
 {
+    const bool known = w->ints && !s->moved[i];
     const int64_t sums[2] = { known ? s->sums.i[0][i] : 0, known ? s->sums.i[1][i] : 0 };
-    ntp__normal normal;
-    ntp__gradient_exact(&normal, &w->g, x + i, y, known ? sums : NULL);
-    w->counts.not_finite += !normal.finite;
-    w->counts.exact += normal.wide;
-    for (int32_t k = 0; k < 3; k++)
-        c[k] = normal.level[k];
+    ntp__gradient_exact(normal, &w->g, x + i, y, known ? sums : NULL);
+    w->counts.not_finite += !normal->finite;
+    w->counts.exact += normal->wide;
 }
 
 /* Does texels in doubt again, and pulls pairs that are too long onto the disc.  They are few. */
@@ -337,8 +340,11 @@ static void settle(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
         for (int32_t i = first; any != 0 && i < first + GROUP && i < n; i++) {
             const bool again = s->doubt[i] != 0 || s->moved[i];
             int32_t to[3] = { c[0][i], c[1][i], c[2][i] };
-            if (again)
-                settle_exactly(w, s, to, x, y, i, w->ints && !s->moved[i]);
+            if (again) {
+                ntp__normal normal;
+                settle_exactly(w, s, &normal, x, y, i);
+                memcpy(to, normal.level, sizeof to);
+            }
             if (w->g.derived && (again || to[2] < 0))
                 to[2] = ntp__derive(&to[0], &to[1], w->g.m, w->encode.zzero);
             for (int32_t k = 0; k < 3; k++)
@@ -365,18 +371,13 @@ static facts all_tap_sums(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
     return f;
 }
 
+#include "from_height/float_rows_tmpl.h"
 #include "from_height/packed_tmpl.h"
 
 static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
     if (w->g.dst->type == NTP_TYPE_F32) {
-        for (int32_t i = 0; i < n; i++) {
-            ntp__normal normal;
-            ntp__gradient_exact(&normal, &w->g, x + i, y, NULL);
-            w->counts.not_finite += !normal.finite;
-            w->counts.exact += normal.wide;
-            ntp__gradient_pack_float(&w->g, &normal, x + i, y);
-        }
+        do_float_block(w, s, x, y, n);
         return;
     }
     if (w->quick && encode_rows(w, s, x, y, n))

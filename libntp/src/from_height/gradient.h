@@ -9,7 +9,8 @@
  *   gradient_kernels.c  the loops, with tap_sums_tmpl.h and encode_tmpl.h
  *   encode_avx2.c       the latter for packed RGB, with AVX2, also straight from 3 x 3 heights,
  *                       as encode_avx512.c does with AVX-512;
- *                       packed_tmpl.h is a part of gradient.c for it
+ *                       packed_tmpl.h is a part of gradient.c for it,
+ *                       float_rows_tmpl.h the part for normals that are floats
  *   exact.c             rounds exactly the texels that the loops are in doubt about
  *   dither_tmpl.h       a part of them: rounds so that errors do not add up;
  *                       dither_avx2_tmpl.h is the same with AVX2, dither_avx512.c of 8 bit
@@ -95,10 +96,10 @@ ntp_status ntp__gradient_plan(ntp__gradient *g, const ntp_image *dst, const ntp_
 /* Sets which samples of g->src make a height, their weights, and the number for height 1. */
 ntp_status ntp__gradient_source(ntp__gradient *g, ntp_height_source source);
 
-/* Writes a run of levels.  It fills in alpha, and the third sample of NTP_ENCODING_XY. */
+/* Writes a run of levels, or of floats.  Fills in alpha, and the third sample of NTP_ENCODING_XY. */
 void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n);
-void ntp__gradient_pack_float(const ntp__gradient *g, const ntp__normal *normal, int32_t x,
-                              int32_t y);
+void ntp__gradient_pack_floats(const ntp__gradient *g, float *const value[3], int32_t x, int32_t y,
+                               int32_t n);
 
 /* The exact level of a z in 0..1: floor((M + 1 + M z)/2), or floor(M z + 1/2) for Z-zero. */
 int32_t ntp__gradient_z_level(double z, int32_t m, bool zzero);
@@ -172,6 +173,10 @@ typedef struct ntp__encode {
     float side, middle; /* the taps across of a kernel of radius 1 */
     double spread;      /* NTP__FROM_FLOATS: no difference of two heights is greater */
     int32_t off; /* 1, and the error of M/2 times a component that tap sums cause, in 2^-15 */
+    /* Floats: */
+    bool unit;    /* components are (n + 1)/2, that of z is z if Z-zero; else as they are */
+    double min_z; /* no z is less */
+    double rough; /* the error of a component that tap sums cause */
 } ntp__encode;
 
 enum { NTP__OFF_ONE = 1 << 15 };
@@ -184,6 +189,10 @@ typedef int32_t ntp__encode_i_fn(int32_t *red, int32_t *green, int32_t *blue, in
 typedef int32_t ntp__encode_d_fn(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
                                  const double *right, const double *down, int32_t n,
                                  const ntp__encode *e);
+
+/* value: the components as floats, red, green and blue.  doubt[i] as above. */
+typedef void ntp__encode_floats_fn(float *const value[3], int32_t *doubt, const double *right,
+                                   const double *down, int32_t n, const ntp__encode *e);
 
 /* What packed texels are made of: tap sums to the right and down, or three rows of heights as floats, which
  * are integers whose tap sums are exact, or not. */
@@ -279,6 +288,7 @@ struct ntp__gradient_kernels {
     ntp__take_floats_fn *take_floats;
     ntp__encode_i_fn *encode_i;                    /* in float arithmetic */
     ntp__encode_d_fn *encode_d, *encode_precisely; /* in float, in double */
+    ntp__encode_floats_fn *encode_floats;          /* in double */
     ntp__encode_packed_fn *encode_packed;          /* in float; NULL where planes are as fast */
     ntp__take_heights_fn *take_heights;            /* NULL where that is */
     ntp__dither_fn *dither;

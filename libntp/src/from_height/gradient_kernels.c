@@ -177,6 +177,51 @@ static int32_t encode_precisely(int32_t *red, int32_t *green, int32_t *blue, int
     return round_slopes_double(red, green, blue, doubt, x, y, n, e);
 }
 
+/* Of what is closer to the middle of two floats ntp__gradient_exact has to know less than 2^-46 of it. */
+static const double float_doubt = 0x1p-45;
+
+/* The error of (n + 1)/2 that does not shrink with it: 16u n/2. */
+static const double unit_error = 0x1p-49;
+
+/* Components as floats, plain or as (n + 1)/2. */
+static void round_components(float *restrict to, int32_t *restrict doubt, const double *restrict v,
+                             int32_t n, bool unit, double rough)
+{
+    const double factor = unit ? 0.5 : 1, more = unit ? 0.5 : 0;
+    const double error = unit ? rough / 2 + unit_error : rough;
+    for (int32_t i = 0; i < n; i++) {
+        const double t = v[i] * factor + more, off = fabs(t) * float_doubt + error;
+        const float low = (float) (t - off), high = (float) (t + off);
+        to[i] = low + 0.0F; /* never -0 */
+        doubt[i] |= low != high;
+    }
+}
+
+static void encode_floats(float *const value[3], int32_t *doubt, const double *right,
+                          const double *down, int32_t n, const ntp__encode *e)
+{
+    double z[NTP__BLOCK];
+    MAKE_SLOPES(double)
+    for (int32_t i = 0; i < n; i++) {
+        const double square = x[i] * x[i] + y[i] * y[i], length = sqrt(1 + square);
+        double factor = 1 / length;
+        z[i] = factor;
+        if (e->use_shortened) {
+            const double other = e->shortened / sqrt(square);
+            factor = other < factor ? other : factor;
+        }
+        x[i] *= factor;
+        y[i] *= factor;
+        doubt[i] = 0;
+    }
+    round_components(value[0], doubt, x, n, e->unit, e->rough);
+    round_components(value[1], doubt, y, n, e->unit, e->rough);
+    round_components(value[2], doubt, z, n, e->unit && !e->zzero, e->rough);
+    const float least = (float) (e->unit && !e->zzero ? (e->min_z + 1) / 2 : e->min_z);
+    for (int32_t i = 0; i < n; i++)
+        value[2][i] = value[2][i] > least ? value[2][i] : least;
+}
+
 /* Magnitudes are compared as the integers that have their bits. */
 static void take_floats(double *restrict height, const float *restrict s, int32_t n,
                         ntp__magnitudes *m)
@@ -214,6 +259,6 @@ ntp__take_heights_fn ntp__take_heights_avx2;
 
 extern const ntp__gradient_kernels TABLE_NAME(NTP_ISA);
 const ntp__gradient_kernels TABLE_NAME(NTP_ISA) = {
-    tap_sums_i,    tap_sums_d,   take_floats, encode_i,   encode_d,    encode_precisely,
-    encode_packed, take_heights, dither,      put_slopes, take_levels,
+    tap_sums_i,    tap_sums_d,    take_floats,  encode_i, encode_d,   encode_precisely,
+    encode_floats, encode_packed, take_heights, dither,   put_slopes, take_levels,
 };

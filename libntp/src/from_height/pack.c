@@ -62,15 +62,20 @@ void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, in
     ntp__pack(dst, block, x, y, n, dst->channels);
 }
 
-void ntp__gradient_pack_float(const ntp__gradient *g, const ntp__normal *normal, int32_t x,
-                              int32_t y)
+void ntp__gradient_pack_floats(const ntp__gradient *g, float *const value[3], int32_t x, int32_t y,
+                               int32_t n)
 {
     const ntp_image *dst = g->dst;
-    float *d = ntp__at_mut(dst, x, y);
-    d[0] = normal->value[0];
-    d[1] = normal->value[1];
-    if (dst->channels > 2)
-        d[2] = dst->encoding == NTP_ENCODING_XY ? 1.0f : normal->value[2];
-    if (dst->channels > 3)
-        d[3] = unit_alpha(g, x, y);
+    const int32_t channels = dst->channels;
+    const bool xy = dst->encoding == NTP_ENCODING_XY;
+    char *at = ntp__at_mut(dst, x, y);
+    for (int32_t i = 0; i < n; i++, at += dst->pixel_stride) {
+        float *d = (float *) at;
+        d[0] = value[0][i];
+        d[1] = value[1][i];
+        if (channels > 2)
+            d[2] = xy ? 1.0f : value[2][i];
+        if (channels > 3)
+            d[3] = unit_alpha(g, x + i, y);
+    }
 }

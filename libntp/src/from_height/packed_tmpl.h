@@ -73,8 +73,11 @@ static void settle_packed(walk *w, const strip *s, const int32_t *at, int32_t fo
     for (int32_t i = 0; i < found; i++) {
         int32_t c[3] = { level[0][i], level[1][i], level[2][i] };
         const bool again = doubt[i] && !is_decided(&w->encode, sums[0][i], sums[1][i]);
-        if (again)
-            settle_exactly(w, s, c, x, y, at[i], w->ints);
+        if (again) {
+            ntp__normal normal;
+            settle_exactly(w, s, &normal, x, y, at[i]);
+            memcpy(c, normal.level, sizeof c);
+        }
         if (again || c[2] < 0)
             c[2] = ntp__derive(&c[0], &c[1], w->g.m, false);
         put_pixel(w, x + at[i], y, c);
