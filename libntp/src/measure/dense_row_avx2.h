@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * dense_row_avx2.h - adds a row of cells of which many hold counts to the sums, with AVX2
+ * dense_row_avx2.h - adds rows of cells of which many hold counts to the sums, with AVX2
  */
 #ifndef NTP_DENSE_ROW_AVX2_H
 #define NTP_DENSE_ROW_AVX2_H
@@ -11,13 +11,13 @@
 /* So many cells of a row that it pays to look at all of them; and where others would be judged with AVX-512. */
 enum { NTP__DENSE = 96, NTP__DENSE_512 = 192 };
 
-/* Adds the colors of a row of 8 bit that is noted as far, with angles of the standard encoding; and to
- * blues[b] the texels of each blue b.  False: fewer than `least` cells, 1 to 256, hold counts that are not near
- * ones, or one holds 65536 texels, and nothing is added. */
-bool ntp__add_dense_row_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts,
-                             int32_t row, int32_t least);
+/* Adds the colors of all rows of 8 bit of which enough cells hold counts that are not near ones, and none holds 65536
+ * texels, with angles of the standard encoding; and to blues[b] the texels of each blue b.  Notes them as dense, and
+ * no other rows.  `least`, 1 to 256: so many are enough in rows that are not too long; in others NTP__DENSE. */
+void ntp__add_dense_rows_avx2(ntp__sums *sums, uint64_t blues[256], ntp__color_counts *counts,
+                              int32_t least);
 
-/* All 256 blues of a row that was added so, also those that do not occur. */
+/* All 256 blues of a row that is noted so, also those that do not occur. */
 void ntp__dense_cells_avx2(ntp__cells *cells, const ntp__color_counts *counts, int32_t row);
 
 #endif

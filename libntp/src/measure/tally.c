@@ -37,42 +37,28 @@ static void add_row(ntp_tally *t, ntp__color_batch *batch, int32_t row, int32_t 
     }
 }
 
-#ifdef NTP_HAVE_AVX2
-/* Adds a row as a whole, if so many of its cells hold counts. */
-static bool add_dense_row(ntp_tally *t, int32_t row, int32_t least)
-{
-    uint8_t *const seen = &t->cells.at.row_seen[row];
-    *seen &= (uint8_t) ~NTP__SEEN_DENSE; /* it may be noted for an encoding before */
-    if (!(*seen & NTP__SEEN_QUARTERS) ||
-        !ntp__add_dense_row_avx2(&t->used, t->blues, &t->cells, row, least))
-        return false;
-    *seen |= NTP__SEEN_DENSE;
-    return true;
-}
-#endif
-
 static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 {
     ntp__color_batch batch;
     bool quick = m == 255 && encoding == NTP_ENCODING_STANDARD;
     batch.n = 0;
     ntp__note_rows(&t->cells, ntp__steepest_of(t));
-#ifdef NTP_HAVE_AVX2
     const bool dense = t->cells.grouped && quick; /* set with AVX2 only */
-#endif
 #ifdef NTP_HAVE_AVX512
     quick = quick && ntp__cpu_has_avx512(NTP__CPU_ALL);
 #else
     quick = false;
 #endif
-    for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++) {
-        const bool waits = quick && !(t->cells.at.row_seen[row] & NTP__SEEN_OFTEN) &&
-                           ntp__row_is_on_disc(&t->cells, row);
 #ifdef NTP_HAVE_AVX2
-        if (dense && add_dense_row(t, row, waits ? NTP__DENSE_512 : NTP__DENSE))
-            continue;
+    if (dense)
+        ntp__add_dense_rows_avx2(&t->used, t->blues, &t->cells,
+                                 quick ? NTP__DENSE_512 : NTP__DENSE);
 #endif
-        if (!waits)
+    for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++) {
+        const uint32_t seen = t->cells.at.row_seen[row];
+        const bool waits =
+            quick && !(seen & NTP__SEEN_OFTEN) && ntp__row_is_on_disc(&t->cells, row);
+        if (!waits && !(dense && seen & NTP__SEEN_DENSE))
             add_row(t, &batch, row, m, encoding);
     }
     ntp__end_batch(&t->used, &batch, m, encoding);
