@@ -406,8 +406,11 @@ typedef struct far_waiting {
 
 static void end_far(ntp_tally *t, far_waiting *far)
 {
-    for (int32_t i = 0; i < far->n; i++)
-        ntp__count_far(&t->cells.at, far->at[i], 1);
+#ifdef NTP_HAVE_AVX2
+    ntp__count_each8(&t->cells.at, far->at, far->n);
+#else
+    (void) t;
+#endif
     far->n = 0;
 }
 
@@ -424,7 +427,7 @@ static void count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *part, 
     for (int32_t i = 0; i < part->colors; i++) {
         const uint32_t row = part->color[i] & 65535, blue = part->color[i] >> 16;
         const uint32_t cell = row * NTP__ROW_CELLS + blue;
-        fetch(t->cells.at.far, cell);
+
         far->at[far->n++] = cell;
         note_far(t, row, blue);
     }
