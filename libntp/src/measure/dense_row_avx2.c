@@ -101,9 +101,14 @@ typedef struct runs {
     int32_t ends[6], is_long;
 } runs;
 
+static inline int32_t at_least(int32_t v, int32_t least)
+{
+    return v > least ? v : least;
+}
+
 /* How many i of 0 <= i < n have i * i + c * i <= limit, for c from -2 to 3: these are the first ones, if the
  * limit is not -1 where c is -2. */
-static inline int32_t up_to(int32_t limit, int32_t c, int32_t n)
+ONE_COPY static int32_t up_to(int32_t limit, int32_t c, int32_t n)
 {
     const int32_t square = 4 * limit + c * c;
     if (square < 0)
@@ -112,33 +117,25 @@ static inline int32_t up_to(int32_t limit, int32_t c, int32_t n)
     return count < n ? count : n;
 }
 
-static inline int32_t at_least(int32_t v, int32_t least)
-{
-    return v > least ? v : least;
-}
+/* Limits of i * i + (c - less) * i: up to the first four no neighbor is left, nothing rounded is left, all is
+ * rounded, and all are neighbors; up to the last one nothing is long. */
+typedef int32_t limits[5];
 
-/* Limits of i * i + (c - less) * i, for c = -1, 3, 0, 2 and 1. */
-typedef struct limits {
-    int32_t neighbor[2], rounded[2], is_long; /* at most, at least */
-} limits;
-
-ONE_COPY static void find_runs(runs *to, int32_t n, int32_t less, const limits *l)
+ONE_COPY static void find_runs(runs *to, int32_t n, int32_t less, const limits limit)
 {
-    int32_t *const ends = to->ends;
-    ends[0] = 0;
-    ends[1] = up_to(l->neighbor[1] - 1, 3 - less, n);
-    ends[2] = at_least(up_to(l->rounded[1] - 1, 2 - less, n), ends[1]);
-    ends[3] = at_least(up_to(l->rounded[0], -less, n), ends[2]);
-    ends[4] = at_least(up_to(l->neighbor[0], -1 - less, n), ends[3]);
-    ends[5] = n;
-    to->is_long = up_to(l->is_long - 1, 1 - less, n);
+    static const int8_t c[] = { 3, 2, 0, -1 };
+    to->ends[0] = 0;
+    for (int32_t i = 0; i < 4; i++)
+        to->ends[i + 1] = at_least(up_to(limit[i], c[i] - less, n), to->ends[i]);
+    to->ends[5] = n;
+    to->is_long = up_to(limit[4], 1 - less, n);
 }
 
 static const uint8_t FLAGS_OF_RUNS[] = { 0, NTP_FLAG_NEIGHBOR, NTP_FLAG_NEIGHBOR | NTP_FLAG_ROUNDED,
                                          NTP_FLAG_NEIGHBOR, 0 };
 
 /* The flags of one place. */
-static inline uint32_t flags_at(const runs *r, int32_t i)
+ONE_COPY static uint32_t flags_at(const runs *r, int32_t i)
 {
     int32_t k = 0;
     while (i >= r->ends[k + 1])
@@ -166,6 +163,12 @@ static inline void mark(uint32_t *flags, uint32_t key, uint32_t more, uint32_t c
     flags[key | more] += count;
 }
 
+ONE_COPY static void add_counts(uint32_t *restrict into, const uint32_t *restrict from, int32_t n)
+{
+    for (int32_t i = 0; i < n; i++)
+        into[i] += from[i];
+}
+
 /* Adds the verdicts of one row: the conditions of judge_levels, solved for u and b.  `below` says how many texels
  * have a blue below each one. */
 ONE_COPY static void add_verdicts(ntp__sums *sums, dense_rows *d, int32_t kxy,
@@ -174,19 +177,12 @@ ONE_COPY static void add_verdicts(ntp__sums *sums, dense_rows *d, int32_t kxy,
     uint32_t *const standard = sums->fit[0].flags + d->common, *const zzero =
                                                                    sums->fit[1].flags + d->common;
     const int32_t e = d->e;
-    const limits limits_of[2] = { {
-                                      { e + 2 * kxy - 4, e - 2 * kxy - 1 },
-                                      { e + kxy - 1, e - kxy + 1 },
-                                      e + 1,
-                                  },
-                                  {
-                                      { 4 * (e + 2 * (kxy - 2)) + 2, 4 * (e - 2 * kxy) + 2 },
-                                      { 4 * (e + kxy - 1), 4 * (e + 1 - kxy) + 1 },
-                                      4 * e + 4,
-                                  } };
+    const limits standard_limits = { e - 2 * kxy - 2, e - kxy, e + kxy - 1, e + 2 * kxy - 4, e };
+    const limits zzero_limits = { 4 * (e - 2 * kxy) + 1, 4 * (e + 1 - kxy), 4 * (e + kxy - 1),
+                                  4 * (e + 2 * (kxy - 2)) + 2, 4 * e + 3 };
     runs r[2];
-    find_runs(&r[0], HALF, 0, &limits_of[0]);
-    find_runs(&r[1], 256, 1, &limits_of[1]);
+    find_runs(&r[0], HALF, 0, standard_limits);
+    find_runs(&r[1], 256, 1, zzero_limits);
     add_runs(standard, &r[0], below + K, 1);
     add_runs(standard + NTP_FLAG_Z_NEGATIVE, &r[0], below + K, -1);
     add_runs(zzero, &r[1], below, 1);
@@ -197,16 +193,10 @@ ONE_COPY static void add_verdicts(ntp__sums *sums, dense_rows *d, int32_t kxy,
         mark(zzero, flags_at(&r[1], d->want), NTP_FLAG_EXACT, count[d->want]);
     }
     const int32_t first = d->pair ? 0 : r[0].ends[1], end = d->pair ? 0 : r[0].ends[4];
-    for (int32_t u = 0; u < HALF; u++)
-        d->failing[u] += u >= first && u < end ? 0 : count[K + u];
+    add_counts(d->failing, count + K, first);
+    add_counts(d->failing + end, count + K + end, HALF - end);
     /* The blue next to the horizon is not negative, and may fail like those above it. */
     d->failing[HALF] += first == 0 && end > 0 ? 0 : count[K - 1];
-}
-
-ONE_COPY static void add_counts(uint32_t *restrict into, const uint32_t *restrict from, int32_t n)
-{
-    for (int32_t i = 0; i < n; i++)
-        into[i] += from[i];
 }
 
 /* Counts by how far their places are from `want`; `reversed` are the same from the last one down. */

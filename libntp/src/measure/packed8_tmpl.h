@@ -398,7 +398,7 @@ static void look_up_packed(ntp_tally *t, packed_counts *c, const uint8_t *p, int
         count_packed(t, c, p, channels, 1);
 }
 
-/* Far cells that are to be counted, while they are fetched: else these counts would be waited for. */
+/* Far cells that are to be counted, many at once: neighbors are often alike, and would wait for each other. */
 typedef struct far_waiting {
     uint32_t at[2 * 256];
     int32_t n;
@@ -407,7 +407,7 @@ typedef struct far_waiting {
 static void end_far(ntp_tally *t, far_waiting *far)
 {
 #ifdef NTP_HAVE_AVX2
-    ntp__count_each8(&t->cells.at, far->at, far->n);
+    ntp__count_each8(&t->cells.at, far->at, far->n); /* there are none without AVX2 */
 #else
     (void) t;
 #endif
@@ -426,9 +426,7 @@ static void count_left(ntp_tally *t, far_waiting *far, ntp__close8_block *part, 
     }
     for (int32_t i = 0; i < part->colors; i++) {
         const uint32_t row = part->color[i] & 65535, blue = part->color[i] >> 16;
-        const uint32_t cell = row * NTP__ROW_CELLS + blue;
-
-        far->at[far->n++] = cell;
+        far->at[far->n++] = row * NTP__ROW_CELLS + blue;
         note_far(t, row, blue);
     }
 }
