@@ -6,9 +6,6 @@
 
 #include "base/cpu.h"
 #include "base/inlining.h"
-#ifdef NTP_HAVE_AVX2
-#  include "texel/cells_avx2.h"
-#endif
 #include "texel/kernels_avx512.h"
 #include "texel/level.h"
 

@@ -7,6 +7,8 @@
  * one look-up and one count.
  */
 
+#include "texel/cells_avx2.h"
+
 enum { GROUP = 16 /* packed texels that are looked at together */ };
 
 /* Adds sums and extremes of texels. */
