@@ -89,7 +89,8 @@ static void check_rows(int32_t kind, int32_t rest, int32_t of, uint64_t *seed)
     memset(counts.at.row_seen, 0, sizeof counts.at.row_seen);
     for (int32_t row = rest; row < NTP__ROWS; row += of)
         fill(row, kind, seed);
-    ntp__add_dense_rows_avx2(&rows, blues[0], &counts, least);
+    ntp__note_dense_rows_avx2(&counts, least);
+    ntp__add_dense_rows_avx2(&rows, blues[0], &counts);
     for (int32_t row = rest; row < NTP__ROWS; row += of) {
         const int32_t enough = ntp__row_is_on_disc(&counts, row) ? least : NTP__DENSE;
         const bool added = (counts.at.row_seen[row] & NTP__SEEN_DENSE) != 0;

@@ -273,14 +273,10 @@ static void clear_close(ntp__color_counts *t, int32_t most)
     t->has_close = 0;
 }
 
-/* Adds the rows that were not noted to `seen`, which is t's own or a copy, and takes off those that were noted in
- * blocks and hold nothing.  Steeper rows than any in use are a third of all, or more, and stay untouched. */
-static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32_t most)
+/* Adds the rows that were not noted to `seen`, which is t's own or a copy.  Steeper rows than any in use are a third
+ * of all, or more, and stay untouched. */
+static void find_near(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32_t most)
 {
-#ifdef NTP_HAVE_AVX512
-    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
-        ntp__look_at_blocks_avx512(seen, &t->at);
-#endif
     if (!t->unnoted)
         return;
     for (int32_t row = 0; row < NTP__ROWS; row = next_of(row, most)) {
@@ -289,6 +285,16 @@ static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32
             any |= t->at.near[row * NTP__NEAR + i];
         seen[row] |= any != 0 ? NTP__SEEN_NEAR : 0;
     }
+}
+
+/* The same, and takes off those that were noted in blocks and hold nothing. */
+static void find_rows(uint8_t seen[NTP__ROWS], const ntp__color_counts *t, int32_t most)
+{
+#ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(NTP__CPU_ALL))
+        ntp__look_at_blocks_avx512(seen, &t->at);
+#endif
+    find_near(seen, t, most);
 }
 
 static void define_noted(ntp__color_counts *t)
@@ -301,9 +307,12 @@ static void define_noted(ntp__color_counts *t)
     }
 }
 
-void ntp__note_rows(ntp__color_counts *t, int32_t most)
+void ntp__note_rows(ntp__color_counts *t, int32_t most, bool blocks)
 {
-    find_rows(t->at.row_seen, t, most);
+    if (blocks)
+        find_near(t->at.row_seen, t, most);
+    else
+        find_rows(t->at.row_seen, t, most);
     memset(t->at.noted, 0, sizeof t->at.noted);
     t->unnoted = 0;
     if (t->undefined)

@@ -16,6 +16,7 @@
 #include "measure/colors_avx512.h"
 
 #include "base/lanes_avx2.h"
+#include "measure/dense_row_avx2.h"
 #include "texel/lengths_avx512_tmpl.h"
 #include "texel/packed_avx512_tmpl.h"
 #include "texel/sums_avx512_tmpl.h"
@@ -356,15 +357,44 @@ static void end(ntp__sums *sums, const color_sums *s)
     end_turns(&lower->texels, &lower->sum, &lower->max, &s->turns[2]);
 }
 
-void ntp__add_colors_avx512(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts)
+/* Notes which quarters of a row hold counts, where all are noted as if they did; returns whether it is noted as
+ * a dense row. */
+static inline bool look_at_row(ntp__color_counts *counts, int32_t row)
+{
+    enum { ROWS = 12, AHEAD = ROWS * NTP__ROW_CELLS, NEAR_AHEAD = ROWS * NTP__NEAR * 4 };
+    uint8_t *const seen = &counts->at.row_seen[row];
+    const uint8_t *const far = &counts->at.far[row * NTP__ROW_CELLS];
+    const char *const near = (const char *) &counts->at.near[row * NTP__NEAR];
+    int32_t used = 0;
+    uint32_t none = 0;
+    *seen &= (uint8_t) ~NTP__SEEN_DENSE; /* it may be noted for an encoding before */
+    if ((*seen & NTP__SEEN_QUARTERS) != NTP__SEEN_QUARTERS)
+        return false;
+    _mm_prefetch(near + NEAR_AHEAD, _MM_HINT_T0); /* rows are too short to be foreseen by processors */
+    for (int32_t k = 4; k-- > 0;) {
+        const __m512i v = load(far + k * NTP__QUARTER);
+        _mm_prefetch((const char *) far + AHEAD + k * NTP__QUARTER, _MM_HINT_T0);
+        const int32_t its = __builtin_popcountll(_mm512_test_epi8_mask(v, v));
+        used += its;
+        none += none + (its == 0);
+    }
+    if (!(*seen & NTP__SEEN_CARRIED)) /* a cell of 0 may hold some */
+        *seen &= (uint8_t) ~(none * NTP__SEEN_QUARTER);
+    if (!counts->grouped || used < NTP__DENSE_512)
+        return false;
+    *seen |= NTP__SEEN_DENSE;
+    return true;
+}
+
+void ntp__add_colors_avx512(ntp__sums *sums, uint64_t blues[256], ntp__color_counts *counts)
 {
     colors c;
     c.n = 0;
     memset(&c.sums, 0, sizeof c.sums);
     for (int32_t row = 0; (row = ntp__next_row(counts->at.row_seen, row)) < NTP__ROWS; row++) {
         const int32_t pair = counts->row[row].pair, k1 = (pair & 255) - K, k2 = (pair >> 8) - K;
-        if (counts->at.row_seen[row] & (NTP__SEEN_DENSE | NTP__SEEN_OFTEN) ||
-            !ntp__row_is_on_disc(counts, row))
+        if (counts->at.row_seen[row] & NTP__SEEN_OFTEN || !ntp__row_is_on_disc(counts, row) ||
+            look_at_row(counts, row))
             continue;
         const int32_t end = c.n + read_row(c.blue + c.n, c.count + c.n, counts, row);
         for (; c.n < end; c.n += LANES_512)

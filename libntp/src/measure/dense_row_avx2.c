@@ -444,22 +444,28 @@ ONE_COPY static void add_list(ntp__sums *sums, uint64_t blues[256], const ntp__c
     add_angles(sums, &d, &p);
 }
 
-void ntp__add_dense_rows_avx2(ntp__sums *sums, uint64_t blues[256], ntp__color_counts *counts,
-                              int32_t least)
+void ntp__note_dense_rows_avx2(ntp__color_counts *counts, int32_t least)
+{
+    for (int32_t row = 0; (row = ntp__next_row(counts->at.row_seen, row)) < NTP__ROWS; row++) {
+        const int32_t enough = ntp__row_is_on_disc(counts, row) ? least : NTP__DENSE;
+        uint8_t *const seen = &counts->at.row_seen[row];
+        *seen &= (uint8_t) ~NTP__SEEN_DENSE; /* it may be noted for an encoding before */
+        if (enough > 0 && *seen & NTP__SEEN_QUARTERS && !(*seen & NTP__SEEN_OFTEN) &&
+            is_dense(&counts->at.far[row * NTP__ROW_CELLS], enough))
+            *seen |= NTP__SEEN_DENSE;
+    }
+}
+
+void ntp__add_dense_rows_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts)
 {
     /* of lists of rows: by v / 2, and by row */
     uint16_t first[AM / 2] = { 0 }, next[NTP__ROWS];
     for (int32_t row = 0; (row = ntp__next_row(counts->at.row_seen, row)) < NTP__ROWS; row++) {
         const int32_t pair = counts->row[row].pair, k1 = (pair & 255) - K, k2 = (pair >> 8) - K;
         const int32_t half = (k1 * (k1 + 1) + k2 * (k2 + 1)) / 2;
-        const bool on_disc = half < AM / 2;
-        uint8_t *const seen = &counts->at.row_seen[row];
-        *seen &= (uint8_t) ~NTP__SEEN_DENSE; /* it may be noted for an encoding before */
-        if (!(*seen & NTP__SEEN_QUARTERS) || *seen & NTP__SEEN_OFTEN ||
-            !is_dense(&counts->at.far[row * NTP__ROW_CELLS], on_disc ? least : NTP__DENSE))
+        if (!(counts->at.row_seen[row] & NTP__SEEN_DENSE))
             continue;
-        *seen |= NTP__SEEN_DENSE;
-        if (on_disc) {
+        if (half < AM / 2) { /* on the disc */
             next[row] = first[half];
             first[half] = (uint16_t) (row + 1);
         } else {

@@ -42,17 +42,16 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
     ntp__color_batch batch;
     bool quick = m == 255 && encoding == NTP_ENCODING_STANDARD;
     batch.n = 0;
-    ntp__note_rows(&t->cells, ntp__steepest_of(t));
     const bool dense = t->cells.grouped && quick; /* set with AVX2 only */
 #ifdef NTP_HAVE_AVX512
     quick = quick && ntp__cpu_has_avx512(NTP__CPU_ALL);
 #else
     quick = false;
 #endif
+    ntp__note_rows(&t->cells, ntp__steepest_of(t), quick);
 #ifdef NTP_HAVE_AVX2
     if (dense)
-        ntp__add_dense_rows_avx2(&t->used, t->blues, &t->cells,
-                                 quick ? NTP__DENSE_512 : NTP__DENSE);
+        ntp__note_dense_rows_avx2(&t->cells, quick ? 0 : NTP__DENSE);
 #endif
     for (int32_t row = 0; (row = ntp__next_row(t->cells.at.row_seen, row)) < NTP__ROWS; row++) {
         const uint32_t seen = t->cells.at.row_seen[row];
@@ -65,6 +64,10 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 #ifdef NTP_HAVE_AVX512
     if (quick)
         ntp__add_colors_avx512(&t->used, t->blues, &t->cells);
+#endif
+#ifdef NTP_HAVE_AVX2
+    if (dense)
+        ntp__add_dense_rows_avx2(&t->used, t->blues, &t->cells);
 #endif
 }
 

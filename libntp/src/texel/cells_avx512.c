@@ -169,6 +169,65 @@ static ALWAYS_INLINE __m512i rows_of(__m512i rg, __m512i k, __mmask32 in_middle)
                                  _mm512_set1_epi16(FLAT - (127 + 2 * 127)));
 }
 
+/* Is each of 32 texels like the one before it?  Plain areas of textures are counted by the number of such steps. */
+static ALWAYS_INLINE bool are_as_before(const uint8_t *src, int32_t channels, const layout *l)
+{
+    const uint8_t *const before = src - channels;
+    const __m512i v = _mm512_loadu_si512(src), w = _mm512_loadu_si512(src + l->second);
+    return _mm512_cmpneq_epi8_mask(v, _mm512_loadu_si512(before)) == 0 &&
+           _mm512_cmpneq_epi8_mask(w, _mm512_loadu_si512(before + l->second)) == 0;
+}
+
+/* The end of a run of such steps among n texels, from i on. */
+ONE_COPY static int32_t end_of_run(const uint8_t *src, int32_t i, int32_t n, int32_t channels,
+                                   size_t ahead)
+{
+    const layout l = layout_of(channels);
+    for (; i < n && are_as_before(src, channels, &l); i += STEP, src += channels * STEP) {
+        _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
+        _mm_prefetch((const char *) src + ahead + 64, _MM_HINT_T0);
+    }
+    return i;
+}
+
+/* The k of one level. */
+static inline uint32_t k_of_one(uint32_t level)
+{
+    return level ^ (level < 128 ? 127 : 128);
+}
+
+/* The row of one texel. */
+ONE_COPY static uint32_t row_of_one(const uint8_t *p)
+{
+    const uint32_t a = k_of_one(p[0]), b = k_of_one(p[1]), k1 = a > b ? a : b, k2 = a > b ? b : a;
+    return k1 == 0 ? FLAT - (127 + 2 * 127) + p[0] + 2U * p[1] : k1 * (k1 + 1) / 2 + k2;
+}
+
+static inline bool is_gray(const uint8_t *p)
+{
+    return (p[0] == p[1]) & (p[1] == p[2]);
+}
+
+/* Counts n gray texels that are unused for being black or white, if these are. */
+ONE_COPY static bool count_unused(ntp__found8 *found, const uint8_t *p, uint32_t n)
+{
+    const bool black = p[2] == 0 && !(found->used & NTP__BLACK8),
+               white = p[2] == 255 && !(found->used & NTP__WHITE8);
+    if (!is_gray(p) || !(black || white))
+        return false;
+    found->gray += n;
+    found->black += black ? n : 0;
+    found->white += white ? n : 0;
+    return true;
+}
+
+/* Adds n texels like this one to the sums. */
+ONE_COPY static void add_run(ntp__packed_survey *to, const uint8_t *p, uint32_t n)
+{
+    for (int32_t k = 0; k < 3; k++)
+        to->sum[k] += (uint64_t) n * p[k];
+}
+
 /* Counts of four bits in each lane of 16, as bytes: those of even rows, and those of odd ones. */
 static ALWAYS_INLINE void add_flat(__m512i sums[2], __m512i flat)
 {
@@ -210,6 +269,22 @@ static ALWAYS_INLINE void count_waiting(uint32_t *counts, uint32_t *at, int32_t 
     }
 }
 
+/* Counts n texels like this one, unless they are to be put into the list of colors. */
+ONE_COPY static bool count_close_run(ntp__close8_block *out, ntp__close8_counts close,
+                                     const uint8_t *p, uint32_t n, bool hides)
+{
+    const uint32_t a = k_of_one(p[0]), b = k_of_one(p[1]), u = p[2] < 127 ? 0 : p[2] - 127U;
+    const uint32_t sum = u * (u + 8) + a * (a + 1) + b * (b + 1) - (REST_8 - 15);
+    if (hides && p[3] == 0)
+        out->hidden += (int32_t) n;
+    else if (!is_gray(p) && 16 * u > (sum & 65535))
+        close[ntp__close8_of(row_of_one(p), p[2])][0] += n;
+    else if (!count_unused(&out->found, p, n))
+        return false;
+    add_run(out->found.survey, p, n);
+    return true;
+}
+
 int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close,
                                  const uint8_t *src, int32_t n, int32_t channels, size_t ahead)
 {
@@ -226,12 +301,18 @@ int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts clos
         _mm512_set1_epi64(0x1000010000100001); /* by number of row: 16 to its last bits */
     surveyed survey = begin_survey();
     __m512i flats[2] = { _mm512_setzero_si512(), _mm512_setzero_si512() };
-    int32_t i = 0, colors = 0, hidden = 0;
+    int32_t i = 0, colors = 0, hidden = 0, next_run = STEP;
+    out->hidden = 0;
     while (i < n && colors <= MOST) {
         const int32_t first = i, end = n - i < AT_ONCE ? n : i + AT_ONCE;
         int32_t waiting = 0;
+        bool runs = false;
         __m512i flat = _mm512_setzero_si512(); /* one count for each flat pair */
         for (; i < end && colors <= MOST; i += STEP, src += channels * STEP) {
+            if (i >= next_run && are_as_before(src, channels, &at_src)) {
+                runs = true;
+                break;
+            }
             /* processors fetch what follows */
             _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
             _mm_prefetch((const char *) src + ahead + 64, _MM_HINT_T0);
@@ -276,7 +357,15 @@ int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts clos
             }
         }
         add_flat(flats, flat);
-        count_waiting(close[0], at, waiting, i - first);
+        if (i > first)
+            count_waiting(close[0], at, waiting, i - first);
+        if (!runs)
+            continue;
+        next_run = end_of_run(src, i, n, channels, ahead);
+        if (count_close_run(out, close, src, (uint32_t) (next_run - i), hides)) {
+            src += channels * (next_run - i);
+            i = next_run;
+        }
     }
     for (uint32_t k = 0; k < NTP__FLAT_ROWS; k++) {
         const __m512i counts = _mm512_srl_epi16(flats[k & 1], _mm_cvtsi32_si128((int) k / 2 * 8));
@@ -285,7 +374,7 @@ int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts clos
     }
     out->others = 0;
     out->colors = colors;
-    out->hidden = hidden;
+    out->hidden += hidden;
     const surveyed all = survey;
     end_survey(out->found.survey, &all, i);
     end_lanes();
