@@ -130,9 +130,8 @@ static inline int32_t ntp__steepest(int32_t least, int32_t greatest)
     return a > b ? a : b;
 }
 
-/* Completes row_seen and the cells, and defines their rows.  `most`: no magnitude of a color is greater.  With
- * `blocks`, those that were noted in blocks and hold nothing stay noted. */
-void ntp__note_rows(ntp__color_counts *counts, int32_t most, bool blocks);
+/* Completes row_seen and the cells, and defines their rows.  `most`: no magnitude of a color is greater. */
+void ntp__note_rows(ntp__color_counts *counts, int32_t most);
 
 /* Puts it into the cells if it holds no other ones than n packed texels, and row_of is filled.  More than
  * NTP__FEW_CLOSE are better looked for in all of it, which takes as long as to count tens of thousands. */

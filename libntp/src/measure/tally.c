@@ -48,7 +48,7 @@ static void add_cells(ntp_tally *t, int32_t m, ntp_encoding encoding)
 #else
     quick = false;
 #endif
-    ntp__note_rows(&t->cells, ntp__steepest_of(t), quick);
+    ntp__note_rows(&t->cells, ntp__steepest_of(t));
 #ifdef NTP_HAVE_AVX2
     if (dense)
         ntp__note_dense_rows_avx2(&t->cells, quick ? 0 : NTP__DENSE);

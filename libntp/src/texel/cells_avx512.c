@@ -169,63 +169,17 @@ static ALWAYS_INLINE __m512i rows_of(__m512i rg, __m512i k, __mmask32 in_middle)
                                  _mm512_set1_epi16(FLAT - (127 + 2 * 127)));
 }
 
-/* Is each of 32 texels like the one before it?  Plain areas of textures are counted by the number of such steps. */
-static ALWAYS_INLINE bool are_as_before(const uint8_t *src, int32_t channels, const layout *l)
+/* Are 64 bytes those of the texels before?  Plain areas of textures are counted by the number of such steps. */
+static ALWAYS_INLINE bool are_as_before(const uint8_t *src, int32_t channels)
 {
-    const uint8_t *const before = src - channels;
-    const __m512i v = _mm512_loadu_si512(src), w = _mm512_loadu_si512(src + l->second);
-    return _mm512_cmpneq_epi8_mask(v, _mm512_loadu_si512(before)) == 0 &&
-           _mm512_cmpneq_epi8_mask(w, _mm512_loadu_si512(before + l->second)) == 0;
-}
-
-/* The end of a run of such steps among n texels, from i on. */
-ONE_COPY static int32_t end_of_run(const uint8_t *src, int32_t i, int32_t n, int32_t channels,
-                                   size_t ahead)
-{
-    const layout l = layout_of(channels);
-    for (; i < n && are_as_before(src, channels, &l); i += STEP, src += channels * STEP) {
-        _mm_prefetch((const char *) src + ahead, _MM_HINT_T0);
-        _mm_prefetch((const char *) src + ahead + 64, _MM_HINT_T0);
-    }
-    return i;
+    return _mm512_cmpneq_epi8_mask(_mm512_loadu_si512(src), _mm512_loadu_si512(src - channels)) ==
+           0;
 }
 
 /* The k of one level. */
 static inline uint32_t k_of_one(uint32_t level)
 {
     return level ^ (level < 128 ? 127 : 128);
-}
-
-/* The row of one texel. */
-ONE_COPY static uint32_t row_of_one(const uint8_t *p)
-{
-    const uint32_t a = k_of_one(p[0]), b = k_of_one(p[1]), k1 = a > b ? a : b, k2 = a > b ? b : a;
-    return k1 == 0 ? FLAT - (127 + 2 * 127) + p[0] + 2U * p[1] : k1 * (k1 + 1) / 2 + k2;
-}
-
-static inline bool is_gray(const uint8_t *p)
-{
-    return (p[0] == p[1]) & (p[1] == p[2]);
-}
-
-/* Counts n gray texels that are unused for being black or white, if these are. */
-ONE_COPY static bool count_unused(ntp__found8 *found, const uint8_t *p, uint32_t n)
-{
-    const bool black = p[2] == 0 && !(found->used & NTP__BLACK8),
-               white = p[2] == 255 && !(found->used & NTP__WHITE8);
-    if (!is_gray(p) || !(black || white))
-        return false;
-    found->gray += n;
-    found->black += black ? n : 0;
-    found->white += white ? n : 0;
-    return true;
-}
-
-/* Adds n texels like this one to the sums. */
-ONE_COPY static void add_run(ntp__packed_survey *to, const uint8_t *p, uint32_t n)
-{
-    for (int32_t k = 0; k < 3; k++)
-        to->sum[k] += (uint64_t) n * p[k];
 }
 
 /* Counts of four bits in each lane of 16, as bytes: those of even rows, and those of odd ones. */
@@ -269,20 +223,33 @@ static ALWAYS_INLINE void count_waiting(uint32_t *counts, uint32_t *at, int32_t 
     }
 }
 
-/* Counts n texels like this one, unless they are to be put into the list of colors. */
-ONE_COPY static bool count_close_run(ntp__close8_block *out, ntp__close8_counts close,
-                                     const uint8_t *p, uint32_t n, bool hides)
+/* Counts a run of texels that are each like the one before, in whole steps of n texels, unless they are to be in the
+ * list of colors; returns how many, below 0 if they are not counted. */
+ONE_COPY static int32_t count_run(ntp__close8_block *out, ntp__close8_counts close,
+                                  const uint8_t *p, int32_t n, int32_t channels, size_t ahead)
 {
     const uint32_t a = k_of_one(p[0]), b = k_of_one(p[1]), u = p[2] < 127 ? 0 : p[2] - 127U;
+    const uint32_t k1 = a > b ? a : b, k2 = a > b ? b : a;
     const uint32_t sum = u * (u + 8) + a * (a + 1) + b * (b + 1) - (REST_8 - 15);
-    if (hides && p[3] == 0)
-        out->hidden += (int32_t) n;
-    else if (!is_gray(p) && 16 * u > (sum & 65535))
-        close[ntp__close8_of(row_of_one(p), p[2])][0] += n;
-    else if (!count_unused(&out->found, p, n))
-        return false;
-    add_run(out->found.survey, p, n);
-    return true;
+    int32_t i = 0;
+    for (; i <= n * channels - 64 && are_as_before(p + i, channels); i += 64)
+        _mm_prefetch((const char *) p + i + ahead, _MM_HINT_T0);
+    const int32_t run = i / channels & -STEP;
+    if (channels == 4 && out->visible && p[3] == 0) {
+        out->hidden += run;
+    } else if ((p[0] | p[1] | p[2] | (out->found.used & NTP__BLACK8)) == 0) {
+        out->found.gray += (uint32_t) run;
+        out->found.black += (uint32_t) run;
+    } else if (((p[0] == p[1]) & (p[1] == p[2])) || 16 * u <= (sum & 65535)) {
+        return -run;
+    } else {
+        const uint32_t row =
+            k1 == 0 ? FLAT - (127 + 2 * 127) + p[0] + 2U * p[1] : k1 * (k1 + 1) / 2 + k2;
+        close[ntp__close8_of(row, p[2])][0] += (uint32_t) run;
+    }
+    for (int32_t k = 0; k < 3; k++)
+        out->found.survey->sum[k] += (uint64_t) ((uint32_t) run * p[k]);
+    return run;
 }
 
 int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts close,
@@ -309,7 +276,7 @@ int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts clos
         bool runs = false;
         __m512i flat = _mm512_setzero_si512(); /* one count for each flat pair */
         for (; i < end && colors <= MOST; i += STEP, src += channels * STEP) {
-            if (i >= next_run && are_as_before(src, channels, &at_src)) {
+            if (i >= next_run && are_as_before(src, channels)) {
                 runs = true;
                 break;
             }
@@ -361,11 +328,11 @@ int32_t ntp__count_close8_avx512(ntp__close8_block *out, ntp__close8_counts clos
             count_waiting(close[0], at, waiting, i - first);
         if (!runs)
             continue;
-        next_run = end_of_run(src, i, n, channels, ahead);
-        if (count_close_run(out, close, src, (uint32_t) (next_run - i), hides)) {
-            src += channels * (next_run - i);
-            i = next_run;
-        }
+        const int32_t run = count_run(out, close, src, n - i, channels, ahead);
+        const int32_t counted = run < 0 ? 0 : run;
+        next_run = i + (run < 0 ? -run : run) + STEP;
+        src += channels * counted;
+        i += counted;
     }
     for (uint32_t k = 0; k < NTP__FLAT_ROWS; k++) {
         const __m512i counts = _mm512_srl_epi16(flats[k & 1], _mm_cvtsi32_si128((int) k / 2 * 8));
@@ -476,24 +443,4 @@ int32_t ntp__count_cells_avx512(ntp__cell_counts *counts, ntp__found8 *found, co
     const surveyed all = survey;
     end_survey(found->survey, &all, whole);
     return whole + ntp__count_cells_avx2(counts, found, src, n - whole, channels, ahead);
-}
-
-void ntp__look_at_blocks_avx512(uint8_t seen[NTP__ROWS], const ntp__cell_counts *counts)
-{
-    for (int32_t row = 0; row < NTP__ROWS; row++) {
-        const uint8_t *const far = &counts->far[row * NTP__ROW_CELLS];
-        uint32_t none = 0;
-        if (counts->noted[ntp__row_block(row) >> 3] == 0) {
-            row |= (8 << NTP__BLOCK_SHIFT) - 1; /* the last one of eight blocks */
-            continue;
-        }
-        if (seen[row] & NTP__SEEN_CARRIED) /* a cell of 0 may hold some */
-            continue;
-        for (int32_t i = 4; i-- > 0;) {
-            const __m512i v = _mm512_loadu_si512(far + i * NTP__QUARTER);
-            none += none + (_mm512_test_epi64_mask(v, v) == 0);
-        }
-        seen[row] &= (uint8_t) ~(none * NTP__SEEN_QUARTER);
-    }
-    end_lanes();
 }

@@ -16,7 +16,4 @@ ntp__count8_fn ntp__count_cells_avx512;
 ntp__count_exact_fn ntp__count_exact_avx512;
 ntp__count_close_fn ntp__count_close_avx512; /* all that are close, whatever is beside them */
 
-/* Takes notes off `seen`, those of the counts or a copy: of rows that were noted in blocks, parts that hold nothing. */
-void ntp__look_at_blocks_avx512(uint8_t seen[NTP__ROWS], const ntp__cell_counts *counts);
-
 #endif

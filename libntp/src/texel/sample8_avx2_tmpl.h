@@ -63,9 +63,9 @@ ONE_COPY static void add_texels(moments8 *to, const uint32_t *linear, __m256i pa
     to->flat += words_set(_mm256_cmpeq_epi16(_mm256_subs_epu8(from, _mm256_set1_epi8(RANGE)),
                                              _mm256_setzero_si256()));
     uint32_t unit = 0; /* in a register: else each would wait for the one before to be stored */
-    for (int32_t k = 0; k < GROUP; k += 4) {
+    for (int32_t k = 0; k < GROUP; k += 2) {
         UNROLLED
-        for (int32_t i = 0; i < 4; i++, p += stride)
+        for (int32_t i = 0; i < 2; i++, p += stride)
             unit += ntp__linear_near_unit(linear[p[0]] + linear[p[1]] + linear[p[2]]);
     }
     to->unit += unit;
