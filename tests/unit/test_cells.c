@@ -116,13 +116,6 @@ static void check_many(const ntp__kernels_table *level, int32_t channels)
         CHECK(level->count_cells(&cells, &found, even, EVEN, channels, 0) == EVEN);
     }
     check_counts();
-#ifdef NTP_HAVE_AVX512
-    if (!allowed_512)
-        return;
-    ntp__look_at_blocks_avx512(cells.row_seen, &cells);
-    memset(cells.noted, 0, sizeof cells.noted);
-    check_counts(); /* of rows in these blocks those that hold nothing are not noted any more */
-#endif
 }
 
 /* Is a texel hidden by its alpha? */
@@ -318,11 +311,12 @@ static void check_close(ntp__count_close8_fn *count, int32_t channels)
     check_close_counts();
 }
 
-/* A color of one of these kinds: gray, of any blue, nearly flat, flat, one, or close. */
+/* A color of one of these kinds: gray, often black, of any blue, nearly flat, flat, one, or close. */
 static void put_kind(uint8_t *p, int32_t channels, int32_t kind, uint64_t *seed)
 {
-    const int32_t r =
-        kind < 2 ? (int32_t) random_level(seed, 255) : 126 + (int32_t) (random_bits(seed) % 4);
+    const int32_t r = kind == 0   ? (int32_t) (random_level(seed, 255) * (random_bits(seed) % 2))
+                      : kind == 1 ? (int32_t) random_level(seed, 255)
+                                  : 126 + (int32_t) (random_bits(seed) % 4);
     const int32_t g = kind == 0 ? r : kind == 1 ? (int32_t) random_level(seed, 255) : 127;
     int32_t b = kind == 0   ? r
                 : kind == 1 ? (int32_t) random_level(seed, 255)
@@ -335,10 +329,10 @@ static void put_kind(uint8_t *p, int32_t channels, int32_t kind, uint64_t *seed)
         put(p, channels, r, g, b);
 }
 
-/* Blocks of all sizes between guard pages, of one kind or mixed, and their surveys. */
+/* Blocks of all sizes between guard pages, of one kind, mixed or of plain areas, and their surveys. */
 static void check_sizes(ntp__count_close8_fn *count, int32_t channels, uint64_t *seed)
 {
-    enum { TIMES = 100, KINDS = 6 };
+    enum { TIMES = 100, KINDS = 7, PLAIN = 6 };
     ntp__packed_survey survey;
     ntp__close8_block block = { .visible = 1, .found.survey = &survey };
     memset(close8, 0, sizeof close8);
@@ -348,9 +342,15 @@ static void check_sizes(ntp__count_close8_fn *count, int32_t channels, uint64_t 
         const int32_t n = many - i * NTP__KERNEL_LANES % 256;
         guarded src = guarded_alloc((size_t) n * (size_t) channels, i & 1);
         uint8_t *const p = src.data;
-        for (int32_t k = 0; k < n; k++)
-            put_kind(p + channels * k, channels,
-                     kind == 5 ? (int32_t) (random_bits(seed) % 5) : kind, seed);
+        for (int32_t k = 0; k < n; k++) {
+            uint8_t *const to = p + channels * k;
+            const bool again = kind == PLAIN && k > 0 && random_bits(seed) % 128 != 0;
+            put_kind(to, channels, kind < 5 ? kind : (int32_t) (random_bits(seed) % 5), seed);
+            if (channels == 4 && kind == PLAIN)
+                to[3] = (uint8_t) (random_bits(seed) % 3);
+            if (again)
+                memcpy(to, to - channels, (size_t) channels);
+        }
         if (channels == 4 && i % 4 == 0)
             p[4 * (random_bits(seed) % (uint32_t) n) + 3] = (uint8_t) (random_bits(seed) % 3);
         block.found.used = i % 3 == 0 ? NTP__BLACK8 | NTP__WHITE8 : 0;

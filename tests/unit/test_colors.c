@@ -56,6 +56,21 @@ static void fill(int32_t row, uint32_t kind, uint64_t *seed)
         if (random_bits(seed) % kind == 0)
             put_near(row, i, 1 + random_bits(seed) % 1000);
     }
+    if (row % 3 == 0) /* as in a block of rows */
+        counts.at.row_seen[row] |= NTP__SEEN_QUARTERS;
+}
+
+/* Quarters of a row that hold counts are noted, and no others, unless a cell of 0 may hold some. */
+static void check_notes(int32_t row)
+{
+    const uint32_t seen = counts.at.row_seen[row];
+    for (uint32_t k = 0; k < 4; k++) {
+        bool any = false, some = (seen & NTP__SEEN_QUARTER << k) != 0;
+        for (uint32_t i = 0; i < NTP__QUARTER; i++)
+            any |= counts.at.far[(uint32_t) row * NTP__ROW_CELLS + k * NTP__QUARTER + i] != 0;
+        CHECK(some || !any);
+        CHECK(any || !some || seen & NTP__SEEN_CARRIED || !ntp__row_is_on_disc(&counts, row));
+    }
 }
 
 static void clear(int32_t row)
@@ -132,9 +147,12 @@ static int32_t check_rows(uint32_t kind, int32_t step, uint64_t *seed)
         }
         ntp__end_batch(&colors, &batch, 255, NTP_ENCODING_STANDARD);
         allowed = true;
+        counts.grouped = (uint32_t) (first / step % 2); /* some rows are dense then */
         ntp__add_colors_avx512(&rows, blues[0], &counts);
-        for (int32_t row = first; row < end; row++)
+        for (int32_t row = first; row < end; row++) {
+            check_notes(row);
             clear(row);
+        }
         /* Both were zero-filled, padding included.  NOLINTNEXTLINE */
         CHECK(memcmp(&rows, &colors, sizeof rows) == 0);
         CHECK(memcmp(blues[0], blues[1], sizeof blues[0]) == 0);

@@ -336,7 +336,7 @@ void ntp__merge_cells(ntp__color_counts *into, const ntp__color_counts *from, in
 }
 
 /* Clears 64 bytes, as a quarter of a row or its near cells are: compilers that save code loop over each byte. */
-static inline void clear_64(void *to)
+static ALWAYS_INLINE void clear_64(void *to)
 {
     uint8_t *const bytes = to;
     UNROLLED

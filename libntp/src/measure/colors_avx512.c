@@ -370,7 +370,8 @@ static inline bool look_at_row(ntp__color_counts *counts, int32_t row)
     *seen &= (uint8_t) ~NTP__SEEN_DENSE; /* it may be noted for an encoding before */
     if ((*seen & NTP__SEEN_QUARTERS) != NTP__SEEN_QUARTERS)
         return false;
-    _mm_prefetch(near + NEAR_AHEAD, _MM_HINT_T0); /* rows are too short to be foreseen by processors */
+    /* processors do not foresee short rows with other work between them */
+    _mm_prefetch(near + NEAR_AHEAD, _MM_HINT_T0);
     for (int32_t k = 4; k-- > 0;) {
         const __m512i v = load(far + k * NTP__QUARTER);
         _mm_prefetch((const char *) far + AHEAD + k * NTP__QUARTER, _MM_HINT_T0);
