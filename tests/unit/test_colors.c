@@ -13,6 +13,7 @@
 #include "without_avx512.h"
 #ifdef NTP_HAVE_AVX512
 #  include "measure/colors_avx512.h"
+#  include "measure/dense_row_avx2.h"
 #endif
 
 #include <stdlib.h>
@@ -149,6 +150,7 @@ static int32_t check_rows(uint32_t kind, int32_t step, uint64_t *seed)
         allowed = true;
         counts.grouped = (uint32_t) (first / step % 2); /* some rows are dense then */
         ntp__add_colors_avx512(&rows, blues[0], &counts);
+        ntp__add_dense_rows_avx2(&rows, blues[0], &counts);
         for (int32_t row = first; row < end; row++) {
             check_notes(row);
             clear(row);
