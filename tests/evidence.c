@@ -12,5 +12,9 @@ ntp_test_evidence(ntp__evidence *evidence, ntp_tally *tally);
 
 ntp_status ntp_test_evidence(ntp__evidence *evidence, ntp_tally *tally)
 {
-    return ntp__gather_evidence(evidence, tally);
+    const ntp__evidence *gathered;
+    const ntp_status status = ntp__gather_evidence(&gathered, tally);
+    if (status == NTP_OK)
+        *evidence = *gathered;
+    return status;
 }

@@ -24,7 +24,9 @@ static inline const ntp__evidence *alike_tallies(uint8_t *texels, int32_t width,
         *allowed = i == 1;
         CHECK(ntp_tally_add(tally[i], &view, 0, NULL) == NTP_OK);
         CHECK(ntp__sum_up(tally[i], NTP_ENCODING_STANDARD) == NTP_OK);
-        CHECK(ntp__gather_evidence(&evidence[i], tally[i]) == NTP_OK);
+        const ntp__evidence *gathered;
+        CHECK(ntp__gather_evidence(&gathered, tally[i]) == NTP_OK);
+        evidence[i] = *gathered;
     }
     /* NOLINTNEXTLINE */
     CHECK(memcmp(&tally[0]->used, &tally[1]->used, sizeof tally[0]->used) == 0);

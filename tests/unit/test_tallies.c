@@ -146,7 +146,7 @@ static void add(ntp_tally *tally, const ntp_const_image *view, int32_t y0, int32
 
 static void ask(facts *f, ntp_tally *tally)
 {
-    ntp__evidence evidence;
+    const ntp__evidence *evidence;
     memset(f, 0, sizeof *f);
     if (type == NTP_TYPE_U8) /* angles of 16 bit are of one encoding */
         CHECK(ntp_tally_summarize(&f->stats[1], tally, NTP_ENCODING_ZZERO) == NTP_OK);
@@ -156,7 +156,7 @@ static void ask(facts *f, ntp_tally *tally)
           NTP_OK);
     CHECK(ntp_classify(&f->type, tally) == NTP_OK);
     CHECK(ntp__gather_evidence(&evidence, tally) == NTP_OK);
-    f->ag_in_disc = evidence.ag_in_disc;
+    f->ag_in_disc = evidence->ag_in_disc;
 }
 
 /* Rows of one tally after those of another, which may have none. */

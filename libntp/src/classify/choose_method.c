@@ -81,7 +81,7 @@ static ntp_clean_method method_of_errors(const ntp__evidence *e, bool zzero, dou
 ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, ntp_tally *tally,
                              ntp_encoding encoding, int32_t lossy)
 {
-    ntp__evidence e;
+    const ntp__evidence *e;
     ntp_reason unwanted;
     if (why == NULL)
         why = &unwanted;
@@ -90,20 +90,20 @@ ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, ntp_tall
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__gather_evidence(&e, tally));
     bool zzero = encoding == NTP_ENCODING_ZZERO;
-    const ntp_stats *stats = &e.stats;
+    const ntp_stats *stats = &e->stats;
     const ntp_fit *fit = zzero ? &stats->zzero : &stats->standard;
     uint64_t used = stats->texels - stats->unused;
-    double judged = (double) (used - e.padding);
-    double sign = e.used_z_negative > used / 2 && !zzero ? -1 : 1;
-    bool follows = sign * e.blue_correlation > UNRELATED;
+    double judged = (double) (used - e->padding);
+    double sign = e->used_z_negative > used / 2 && !zzero ? -1 : 1;
+    bool follows = sign * e->blue_correlation > UNRELATED;
     if (encoding == NTP_ENCODING_XY) {
         *method = NTP_CLEAN_DERIVE;
         *why = (ntp_reason) { NTP_REASON_XY_ONLY, 0 };
     } else if (fit->rounded - fit->unused_rounded == used) {
         *method = NTP_CLEAN_KEEP;
         *why = (ntp_reason) { NTP_REASON_ALL_ROUNDED, 1 };
-    } else if (ntp__blue_is_idle(&e)) {
-        bool constant = e.used_sd[2] < CONSTANT_DEVIATION;
+    } else if (ntp__blue_is_idle(e)) {
+        bool constant = e->used_sd[2] < CONSTANT_DEVIATION;
         *method = NTP_CLEAN_DERIVE;
         why->code = constant ? NTP_REASON_BLUE_CONSTANT : NTP_REASON_BLUE_IDLE;
         why->value = stats->used_mean[2];
@@ -111,11 +111,11 @@ ntp_status ntp_choose_method(ntp_clean_method *method, ntp_reason *why, ntp_tall
         *method = NTP_CLEAN_NORMALIZE;
         *why = (ntp_reason) { NTP_REASON_LOSSY_FILE, 1 };
     } else {
-        *method = method_of_errors(&e, zzero, judged, why);
-        if (!follows && e.fit[zzero].near_unit[2] < UNRELATED_UNIT_SHARE &&
+        *method = method_of_errors(e, zzero, judged, why);
+        if (!follows && e->fit[zzero].near_unit[2] < UNRELATED_UNIT_SHARE &&
             why->code != NTP_REASON_FEW_WRONG) {
             *method = NTP_CLEAN_DERIVE;
-            *why = (ntp_reason) { NTP_REASON_BLUE_UNRELATED, e.tilted_near[zzero] };
+            *why = (ntp_reason) { NTP_REASON_BLUE_UNRELATED, e->tilted_near[zzero] };
         }
     }
     return NTP_OK;

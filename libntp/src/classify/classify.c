@@ -479,12 +479,12 @@ static void classify(question *q)
 
 ntp_status ntp_classify(ntp_classification *result, ntp_tally *tally)
 {
-    ntp__evidence e;
+    const ntp__evidence *e;
     if (result == NULL)
         return NTP_ERR_ARGUMENT;
     NTP__TRY(ntp__gather_evidence(&e, tally));
     memset(result, 0, sizeof *result);
-    question q = { .out = result, .e = &e, .s = &e.stats };
+    question q = { .out = result, .e = e, .s = &e->stats };
     ntp__set_shares(&q);
     classify(&q);
     return NTP_OK;

@@ -57,7 +57,7 @@ typedef struct ntp__evidence {
     double blue_correlation;
 } ntp__evidence;
 
-/* Works out all evidence.  An empty tally is NTP_ERR_ARGUMENT. */
-ntp_status ntp__gather_evidence(ntp__evidence *evidence, ntp_tally *tally);
+/* Works out all evidence; it is kept in the tally, until that changes.  An empty tally is NTP_ERR_ARGUMENT. */
+ntp_status ntp__gather_evidence(const ntp__evidence **evidence, ntp_tally *tally);
 
 #endif

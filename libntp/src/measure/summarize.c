@@ -454,12 +454,10 @@ static void gather_samples(ntp__evidence *e, const ntp_tally *t)
         e->used_sd[2] = sqrt(variance_of(&blue, 0));
 }
 
-ntp_status ntp__gather_evidence(ntp__evidence *e, ntp_tally *t)
+static ntp_status gather(ntp__evidence *e, ntp_tally *t)
 {
-    if (t == NULL || t->depth == 0)
-        return NTP_ERR_ARGUMENT;
     memset(e, 0, sizeof *e);
-    NTP__TRY(ntp_tally_summarize(&e->stats, t, ntp__encoding_at_hand(t)));
+    NTP__TRY(ntp_tally_summarize(&e->stats, t, (ntp_encoding) t->summed_encoding));
     e->padding = padding_to_leave_out(t);
     const ntp__sums *const used = ntp__used(t);
     for (int32_t z = 0; z < 2; z++)
@@ -472,5 +470,17 @@ ntp_status ntp__gather_evidence(ntp__evidence *e, ntp_tally *t)
         double across = share(t->block_steps[k][1], t->block_count[1]);
         e->block_step[k] = within > 0 ? across / within : 0.0;
     }
+    return NTP_OK;
+}
+
+ntp_status ntp__gather_evidence(const ntp__evidence **e, ntp_tally *t)
+{
+    if (t == NULL || t->depth == 0)
+        return NTP_ERR_ARGUMENT;
+    NTP__TRY(ntp__sum_up(t, ntp__encoding_at_hand(t)));
+    if (!t->gathered)
+        NTP__TRY(gather(&t->evidence, t));
+    t->gathered = 1;
+    *e = &t->evidence;
     return NTP_OK;
 }

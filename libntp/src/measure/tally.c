@@ -110,6 +110,7 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
         add_gray(t, m, m, t->white, encoding);
     }
     t->summed = 1;
+    t->gathered = 0;
     t->summed_encoding = (uint32_t) encoding;
     return NTP_OK;
 }

@@ -70,6 +70,7 @@ struct ntp_tally {
     int32_t not_close, last_not_close;
     uint64_t wide_flat, narrow;       /* used texels: flat ones of 16 bit; those in the cells */
     uint32_t summed, summed_encoding; /* are `used` and `unused` up to date, and angles for what? */
+    uint32_t gathered;                /* is `evidence` what follows from them? */
 
     /* By level of 8 bit, decoded from sRGB to L of 16 bit: ((2L - M)^2 - 1) / 4, a whole number below 2^30.
      * The first one is 0 as long as these are not worked out. */
@@ -90,6 +91,7 @@ struct ntp_tally {
 
     /* ntp_tally_summarize makes these from all the rest.  They are kept until the tally changes. */
     uint64_t blues[256];    /* texels of the cells by blue */
+    ntp__evidence evidence; /* ntp__gather_evidence does */
     ntp__sums used, unused; /* `used` where any is in the cells: see ntp__used */
 
     /* Well-formed textures need nothing from here on, so these pages stay untouched. */
