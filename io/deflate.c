@@ -233,7 +233,10 @@ void ntpio__end_part(ntpio__deflater *d)
 
 static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t from, size_t to)
 {
-    memset(d->near_places, -1, sizeof d->near_places);
+    if (level == NTPIO__LEVEL_ZLIB)
+        memset(d->marks, 0, sizeof d->marks);
+    else
+        memset(d->near_places, -1, sizeof d->near_places);
     memset(d->far_places, -1, sizeof d->far_places);
     d->count = d->counted = d->in_block = d->block_bytes = d->block_symbols = 0;
     d->part_bytes = d->part_symbols = 0;
@@ -248,9 +251,12 @@ static void begin(ntpio__deflater *d, int level, const uint8_t *bytes, size_t fr
     d->block_from = from;
     d->to = to;
     const size_t first = from > NTPIO__WINDOW ? from - NTPIO__WINDOW : 0;
-    if (d->effort->far)
+    const bool zlib = level == NTPIO__LEVEL_ZLIB, far = d->effort->far;
+    if (zlib)
+        ntpio__visit_as_zlib(d, first, from);
+    else if (far)
         ntpio__visit_wide(d, first, from);
-    for (size_t i = first; i < from && !d->effort->far; i++) {
+    for (size_t i = first; i < from && !zlib && !far; i++) {
         if (d->effort->rounds > 0)
             ntpio__visit_carefully(d, i);
         else

@@ -22,6 +22,8 @@ enum {
     WIDE_BYTES = 8,
     NEAR_BITS = NTPIO_TABLE_BITS, /* of the tables: together they fit in the second cache */
     FAR_BITS = NTPIO_TABLE_BITS + 1,
+    MARK_BITS = NTPIO_TABLE_BITS + 4,
+    MARK_SHIFT = 14,   /* log2 of the bytes that a mark stands for */
     PART = 8192,       /* symbols: the least block of careful levels */
     BLOCK = 65536,     /* symbols: the largest one, less a part */
     SPAN = 16384,      /* bytes that are read with the same costs */
@@ -81,6 +83,7 @@ struct ntpio__deflater {
     /* These hold nothing until they are written. */
     /* Of costs as literals, from the span's start; their low bits: those of a match take 16 or less. */
     uint16_t sums[SPAN + NTPIO__LENGTH_MAX + 1];
+    uint8_t marks[1 << MARK_BITS]; /* of zlib's way: in which part of the bytes these stood last */
 };
 
 /* Costs of symbols that occur as often. */
@@ -92,8 +95,9 @@ void ntpio__end_part(ntpio__deflater *d);
 /* Remembers a place, for careful levels. */
 void ntpio__visit_carefully(ntpio__deflater *d, size_t at);
 
-/* ... and those from `from` to `to` - 1, for ntpio__read_far. */
+/* ... and those from `from` to `to` - 1, for ntpio__read_far and ntpio__read_as_zlib. */
 void ntpio__visit_wide(ntpio__deflater *d, size_t from, size_t to);
+void ntpio__visit_as_zlib(ntpio__deflater *d, size_t from, size_t to);
 
 /* Read the span up to `to`, or as far as its last match goes, and return where that is.  The last one
  * sets costs; `counts` gets what it has read. */
