@@ -225,6 +225,17 @@ static void fill_band(ntpio__png_packer *p)
     memcpy(p->before, end, p->shared.row_size); /* nobody changes rows */
 }
 
+/* Copies samples of two bytes, which change places. */
+static void copy_swapped(uint8_t *restrict to, const uint8_t *restrict from, size_t size)
+{
+    for (size_t i = 0; i < size; i += 2) {
+        uint16_t sample;
+        memcpy(&sample, from + i, sizeof sample);
+        sample = (uint16_t) (sample << 8 | sample >> 8);
+        memcpy(to + i, &sample, sizeof sample);
+    }
+}
+
 void ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap)
 {
     const ntpio__band *b = &p->bands[p->filled % p->slots];
@@ -232,12 +243,10 @@ void ntpio__png_pack_row(ntpio__png_packer *p, const uint8_t *row, bool swap)
         memcpy(ntpio__band_row(&p->shared, b, -1), p->before, p->shared.row_size);
     uint8_t *to = ntpio__band_row(&p->shared, b, p->in_band);
     p->left--;
-    if (!swap)
+    if (swap)
+        copy_swapped(to, row, p->shared.row_size);
+    else
         memcpy(to, row, p->shared.row_size);
-    for (size_t i = 0; swap && i < p->shared.row_size; i += 2) {
-        to[i] = row[i + 1];
-        to[i + 1] = row[i];
-    }
     if (p->shared.at_once)
         ntpio__band_filter_row(&p->shared, b, p->in_band);
     p->in_band++;
