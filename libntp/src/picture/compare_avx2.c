@@ -52,6 +52,11 @@ typedef struct sums {
 /* A shuffle of each half; -1: a byte that becomes 0. */
 #define SHUFFLES(v, ...) _mm256_shuffle_epi8((v), _mm256_setr_epi8(__VA_ARGS__))
 
+/* Words k and k + 2 of each half of two vectors. */
+#define WORDS(v, w, k)                                                                             \
+    _mm256_castps_si256(                                                                           \
+        _mm256_shuffle_ps(_mm256_castsi256_ps(v), _mm256_castsi256_ps(w), 0x88 + 0x55 * (k)))
+
 /* v + 2^52 - less of integers from 0 on, below 2^52. */
 static inline __m256d to_doubles(__m256i v, double less)
 {
@@ -112,10 +117,6 @@ static void find_first(pairs *p)
     p->larges = larges;
 }
 
-/* With it the bits of a double are an angle + ROUND_BIN + 1/2 in units of 2^-PART_BITS micro-degrees, with others
- * above those of 180 degrees. */
-#define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5)
-
 const double ntp__atan_terms[NTP__ATAN_TERMS] = {
     -0x1.a66f351242a8cp+13, 0x1.b565140a561e2p+16, -0x1.a9e3b031273a9p+18, 0x1.07445610b8cecp+20,
     -0x1.db5647d014acap+20, 0x1.59d3927db7955p+21, -0x1.b96529c6dcc5ep+21, 0x1.098ad90ad6303p+22,
@@ -142,7 +143,7 @@ static inline __m256d any_angle(__m256d u, __m256d s2, __m256d d)
     const __m256d w = _mm256_mul_pd(u, u), w2 = _mm256_mul_pd(w, w);
     const __m256d beside = _mm256_cmp_pd(s2, _mm256_mul_pd(d, d), _CMP_GT_OQ);
     __m256d odd = _mm256_set1_pd(terms[0]), even = _mm256_set1_pd(terms[1]);
-#pragma GCC unroll 1
+#pragma GCC unroll 2
     for (size_t k = 2; k < NTP__ATAN_TERMS; k += 2) {
         odd = _mm256_fmadd_pd(odd, w2, _mm256_set1_pd(terms[k]));
         even = _mm256_fmadd_pd(even, w2, _mm256_set1_pd(terms[k + 1]));
@@ -173,19 +174,13 @@ static inline __m256d tangents_of(const pairs *p, int32_t i)
 /* Adds eight angles; false: one is not sure. */
 static inline bool add_eight(int32_t *bins, added *to, const __m256d angles[2])
 {
-    const __m256i v[2] = { _mm256_castpd_si256(angles[0]), _mm256_castpd_si256(angles[1]) };
-    const __m256i angle = _mm256_blend_epi32(_mm256_srli_epi64(v[0], PART_BITS),
-                                             _mm256_slli_epi64(v[1], 32 - PART_BITS), 0xaa);
-    const __m256i low = _mm256_blend_epi32(v[0], _mm256_slli_epi64(v[1], 32), 0xaa);
-    /* The places, so that those in doubt are the lowest integers */
-    const __m256i part = _mm256_add_epi32(_mm256_slli_epi32(low, 32 - PART_BITS),
-                                          _mm256_set1_epi32(INT32_MIN + UNIT));
-    const __m256i sure = _mm256_cmpgt_epi32(part, _mm256_set1_epi32(INT32_MIN + 2 * UNIT));
-    const __m256i by = _mm256_set1_epi32(BY_1000);
-    const __m256i bin =
-        _mm256_blend_epi32(_mm256_srli_epi64(_mm256_mul_epu32(angle, by), 32),
-                           _mm256_mul_epu32(_mm256_srli_epi64(angle, 32), by), 0xaa);
-    if (_mm256_movemask_ps(_mm256_castsi256_ps(sure)) != 255)
+    const __m256i v0 = _mm256_castpd_si256(angles[0]), v1 = _mm256_castpd_si256(angles[1]);
+    const __m256i a0 = _mm256_srli_epi64(v0, PART_BITS), a1 = _mm256_srli_epi64(v1, PART_BITS);
+    const __m256i angle = WORDS(a0, a1, 0), by = _mm256_set1_epi32(BY_1000);
+    const __m256i part = _mm256_and_si256(WORDS(v0, v1, 0), _mm256_set1_epi32(SURE_BITS));
+    const __m256i doubt = _mm256_cmpeq_epi32(part, _mm256_setzero_si256());
+    const __m256i bin = WORDS(_mm256_mul_epu32(a0, by), _mm256_mul_epu32(a1, by), 1);
+    if (_mm256_movemask_ps(_mm256_castsi256_ps(doubt)) != 0)
         return false;
     _mm256_storeu_si256((void *) bins, _mm256_srli_epi32(bin, BY_BITS));
     to->sum = _mm256_add_epi32(to->sum, angle);

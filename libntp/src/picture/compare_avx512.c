@@ -28,9 +28,6 @@
 #include "picture/small_angles.h"
 #include "texel/packed_avx512_tmpl.h"
 
-/* One more of the last place: of the places of those in doubt only the lowest two bits can be set. */
-#define TO_PARTS (0x1.8p39 + ROUND_BIN + 0.5 + 1.0 / (1 << PART_BITS))
-
 enum {
     STEP = LANES_512,
     MANY =
@@ -131,7 +128,7 @@ ONE_COPY static void add_angles(ntp__compared *out, pairs *p, const double *s2, 
                                 int32_t n, int32_t left)
 {
     const __m512i evens = steps_of(2, 0), odds = steps_of(2, 1);
-    const __m512i parts = _mm512_set1_epi64((1 << PART_BITS) - 4), by = _mm512_set1_epi32(BY_1000);
+    const __m512i parts = _mm512_set1_epi64(SURE_BITS), by = _mm512_set1_epi32(BY_1000);
     /* Of micro-degrees + ROUND_BIN: no lane gets more than LEFT / STEP angles, below 2^32 */
     __m512i sum = _mm512_setzero_si512(), most = sum;
     int32_t *const bin = p->bin + p->listed;
