@@ -4,7 +4,7 @@
  *
  * Eight texels at a time, none of which goes through memory on its way.  What is rare is only marked:
  * black and white texels, levels near a boundary, lengths that depend on how a pair is pulled.  Then
- * shade.c and heatmap.c paint it once more.
+ * shade.c and heatmap.c paint it once more.  Fused products only make errors smaller, so shade.c's bounds hold.
  */
 #include "picture/paint_avx2.h"
 
@@ -90,9 +90,9 @@ static inline __m256 centered(__m256i level, const lamp *l)
 
 static inline __m256 dot(const __m256 v[3], const lamp *l, int32_t of)
 {
-    return _mm256_add_ps(
-        _mm256_add_ps(_mm256_mul_ps(v[0], number(l, of)), _mm256_mul_ps(v[1], number(l, of + 1))),
-        _mm256_mul_ps(v[2], number(l, of + 2)));
+    return _mm256_fmadd_ps(
+        v[2], number(l, of + 2),
+        _mm256_fmadd_ps(v[1], number(l, of + 1), _mm256_mul_ps(v[0], number(l, of))));
 }
 
 static inline void put_gray(uint8_t *d, __m256i level)
@@ -120,8 +120,7 @@ static inline void turn_to_light(lit *to, int32_t i, texels t, const lamp *l)
     const __m256 v[3] = { centered(_mm256_and_si256(t.rg, _mm256_set1_epi32(65535)), l),
                           centered(_mm256_srli_epi32(t.rg, 16), l), centered(t.b, l) };
     const __m256 square =
-        _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(v[0], v[0]), _mm256_mul_ps(v[1], v[1])),
-                      _mm256_mul_ps(v[2], v[2]));
+        _mm256_fmadd_ps(v[2], v[2], _mm256_fmadd_ps(v[1], v[1], _mm256_mul_ps(v[0], v[0])));
     const __m256 over = _mm256_div_ps(_mm256_set1_ps(1), _mm256_sqrt_ps(square));
     const __m256 corner = _mm256_cmp_ps(square, number(l, CORNER), _CMP_GE_OQ);
     _mm256_store_ps(to->light + i, _mm256_or_ps(_mm256_mul_ps(dot(v, l, TOWARDS), over), corner));
@@ -136,12 +135,12 @@ static inline void light(lit *to, int32_t i, const lamp *l)
     for (int32_t k = 0; k < NTP__SQUARINGS; k++)
         glint = _mm256_mul_ps(glint, glint);
     glint = _mm256_and_ps(glint, _mm256_cmp_ps(lambert, zero, _CMP_GT_OQ));
-    const __m256 diffuse = _mm256_mul_ps(_mm256_max_ps(lambert, zero), number(l, DIFFUSE));
-    const __m256 off = _mm256_add_ps(number(l, OFF), _mm256_mul_ps(glint, number(l, OFF_BY_GLINT)));
+    const __m256 off = _mm256_fmadd_ps(glint, number(l, OFF_BY_GLINT), number(l, OFF));
     const __m256 edge = _mm256_cmp_ps(_mm256_andnot_ps(_mm256_set1_ps(-0.0F), lambert),
                                       _mm256_set1_ps(NTP__EDGE_OF_LIGHT), _CMP_NGE_UQ);
-    _mm256_store_ps(to->light + i, _mm256_add_ps(_mm256_add_ps(number(l, AMBIENT), diffuse),
-                                                 _mm256_mul_ps(glint, number(l, SPECULAR))));
+    const __m256 matt =
+        _mm256_fmadd_ps(_mm256_max_ps(lambert, zero), number(l, DIFFUSE), number(l, AMBIENT));
+    _mm256_store_ps(to->light + i, _mm256_fmadd_ps(glint, number(l, SPECULAR), matt));
     _mm256_store_ps(to->off + i, _mm256_or_ps(off, edge));
 }
 
