@@ -4,7 +4,8 @@
  *
  * The bytes are the same.  A wave stays in registers, and the errors that go down move to the next
  * row by a shuffle.  Roots and quotients in doubles, which are most of the time, are left out where
- * something simpler decides: whether errors are limited, and which levels are near.
+ * something simpler decides: whether errors are limited, and which levels are near.  Fused products only make
+ * errors of what decides smaller; what is carried on has none.
  */
 #include "base/lanes_avx2.h"
 
@@ -66,9 +67,10 @@ static ALWAYS_INLINE bool any_limited(const wave *x, const wave *y, const wave *
     const __m256d none = ALL(-0.0), tenth = ALL(0.1 * (1 - 0x1p-20));
     __m256d any = _mm256_setzero_pd();
     for (int32_t g = 0; g < GROUPS; g++) {
-        const __m256d t = square_sum(ALL(1), x->of[g], y->of[g]);
-        const __m256d at1 = _mm256_sub_pd(_mm256_mul_pd(t, ALL(1.5 * level)), ALL(0.5 * level));
-        const __m256d at4 = _mm256_sub_pd(_mm256_mul_pd(t, ALL(3 * level)), ALL(4 * level));
+        const __m256d t =
+            _mm256_fmadd_pd(x->of[g], x->of[g], _mm256_fmadd_pd(y->of[g], y->of[g], ALL(1)));
+        const __m256d at1 = _mm256_fmsub_pd(t, ALL(1.5 * level), ALL(0.5 * level));
+        const __m256d at4 = _mm256_fmsub_pd(t, ALL(3 * level), ALL(4 * level));
         const __m256d least = _mm256_min_pd(_mm256_max_pd(at1, at4), tenth);
         const __m256d error = _mm256_max_pd(_mm256_andnot_pd(none, along->of[g]),
                                             _mm256_andnot_pd(none, down->of[g]));
@@ -113,7 +115,7 @@ static ALWAYS_INLINE __m256 as_floats(__m256d low, __m256d high)
 static ALWAYS_INLINE __m256i level_of_floats(__m256 slope, __m256 factor, __m256 *any)
 {
     const __m256 none = _mm256_set1_ps(-0.0F), half = _mm256_set1_ps(0.5F);
-    const __m256 level = _mm256_add_ps(_mm256_mul_ps(slope, factor), _mm256_set1_ps(128));
+    const __m256 level = _mm256_fmadd_ps(slope, factor, _mm256_set1_ps(128));
     const __m256i whole = _mm256_cvttps_epi32(level);
     const __m256 over = _mm256_sub_ps(_mm256_sub_ps(level, _mm256_cvtepi32_ps(whole)), half);
     const __m256 near =
@@ -130,9 +132,8 @@ static ALWAYS_INLINE __m256i level_of_floats(__m256 slope, __m256 factor, __m256
 static ALWAYS_INLINE __m256 scale_of(__m256 square)
 {
     const __m256 guess = _mm256_rsqrt_ps(square);
-    const __m256 product = _mm256_mul_ps(_mm256_mul_ps(square, guess), guess);
-    return _mm256_mul_ps(_mm256_mul_ps(guess, _mm256_set1_ps(63.75F)),
-                         _mm256_sub_ps(_mm256_set1_ps(3), product));
+    const __m256 by = _mm256_fnmadd_ps(_mm256_mul_ps(square, guess), guess, _mm256_set1_ps(3));
+    return _mm256_mul_ps(_mm256_mul_ps(guess, _mm256_set1_ps(63.75F)), by);
 }
 
 /*
@@ -147,8 +148,8 @@ static ALWAYS_INLINE bool round_wave_8(__m128i r[GROUPS], __m128i g[GROUPS], con
     __m256 any = _mm256_setzero_ps();
     for (int32_t k = 0; k < GROUPS; k += 2) {
         const __m256 p = as_floats(x->of[k], x->of[k + 1]), q = as_floats(y->of[k], y->of[k + 1]);
-        const __m256 square = _mm256_add_ps(_mm256_mul_ps(p, p), _mm256_mul_ps(q, q));
-        const __m256 factor = scale_of(_mm256_add_ps(_mm256_set1_ps(1), square));
+        const __m256 square = _mm256_fmadd_ps(q, q, _mm256_set1_ps(1));
+        const __m256 factor = scale_of(_mm256_fmadd_ps(p, p, square));
         const __m256i red = level_of_floats(p, factor, &any),
                       green = level_of_floats(q, factor, &any);
         r[k] = _mm256_castsi256_si128(red);

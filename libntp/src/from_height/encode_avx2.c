@@ -18,6 +18,8 @@
  * u (8 side + 3 middle) d; and by less than NTP__TINY where that stands for a smaller one, so that they are
  * 0 only if all differences are.  As a vector both are off by less than 1.5 times the sum of the two.  A
  * normal changes by no more than that over its length, which is at least 1/cx.
+ *
+ * Fused products only make errors smaller.
  */
 #include "from_height/gradient.h"
 
@@ -104,8 +106,7 @@ static inline __m256 take_sums(const void *sums, int32_t i, bool ints)
 
 static inline void put_sums(planes *p, int32_t i, __m256 x, __m256 y, const constants *c)
 {
-    const __m256 square =
-        _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y)), c->square);
+    const __m256 square = _mm256_fmadd_ps(x, x, _mm256_fmadd_ps(y, y, c->square));
     _mm256_storeu_ps(p->x + i, x);
     _mm256_storeu_ps(p->y + i, y);
     _mm256_storeu_ps(p->factor + i, _mm256_div_ps(c->half, _mm256_sqrt_ps(square)));
@@ -125,8 +126,8 @@ static inline __m256 difference(const float *a, const float *b)
 
 static inline __m256 weighted(__m256 sides, __m256 middle, const ntp__encode *e)
 {
-    return _mm256_add_ps(_mm256_mul_ps(sides, _mm256_set1_ps(e->side)),
-                         _mm256_mul_ps(middle, _mm256_set1_ps(e->middle)));
+    return _mm256_fmadd_ps(sides, _mm256_set1_ps(e->side),
+                           _mm256_mul_ps(middle, _mm256_set1_ps(e->middle)));
 }
 
 /* The same from heights that are integers: sums are exact in any order. */

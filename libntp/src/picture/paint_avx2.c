@@ -4,7 +4,7 @@
  *
  * Eight texels at a time, none of which goes through memory on its way.  What is rare is only marked:
  * black and white texels, levels near a boundary, lengths that depend on how a pair is pulled.  Then
- * shade.c and heatmap.c paint it once more.  Fused products only make errors smaller, so shade.c's bounds hold.
+ * shade.c and heatmap.c paint it once more.  Fused products only make errors smaller, so bounds hold.
  */
 #include "picture/paint_avx2.h"
 
@@ -176,8 +176,8 @@ static inline __m256i gray_of(__m256i rg, __m256i b, bool deep)
     }
     const __m256i s = _mm256_add_epi32(sum, _mm256_set1_epi32(more));
     const __m256 share = _mm256_set1_ps(1.0F / (float) twice);
-    const __m256i low = _mm256_cvttps_epi32(_mm256_add_ps(
-        _mm256_mul_ps(_mm256_cvtepi32_ps(s), share), _mm256_set1_ps(NTP__GRAY_BASE - 0x1p-13F)));
+    const __m256i low = _mm256_cvttps_epi32(
+        _mm256_fmadd_ps(_mm256_cvtepi32_ps(s), share, _mm256_set1_ps(NTP__GRAY_BASE - 0x1p-13F)));
     const __m256i rest = _mm256_sub_epi32(s, _mm256_mullo_epi32(low, _mm256_set1_epi32(twice)));
     const int32_t least = (int32_t) (twice - 1 - (int64_t) NTP__GRAY_BASE * twice);
     return _mm256_sub_epi32(low, _mm256_cmpgt_epi32(rest, _mm256_set1_epi32(least)));

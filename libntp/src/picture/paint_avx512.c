@@ -136,9 +136,8 @@ static inline __m512i gray_of(__m512i rg, __m512i b, int32_t m)
         _mm512_add_epi32(_mm512_madd_epi16(rg, ints(NTP__LUMA_GREEN << 16 | NTP__LUMA_RED)),
                          _mm512_madd_epi16(b, ints(NTP__LUMA_BLUE)));
     const __m512i s = _mm512_add_epi32(sum, ints(more));
-    const __m512i low = _mm512_cvttps_epi32(
-        _mm512_add_ps(_mm512_mul_ps(_mm512_cvtepi32_ps(s), all(1.0F / (float) twice)),
-                      all(NTP__GRAY_BASE - 0x1p-13F)));
+    const __m512i low = _mm512_cvttps_epi32(_mm512_fmadd_ps(
+        _mm512_cvtepi32_ps(s), all(1.0F / (float) twice), all(NTP__GRAY_BASE - 0x1p-13F)));
     const __m512i rest = _mm512_sub_epi32(s, _mm512_mullo_epi32(low, ints(twice)));
     return _mm512_mask_add_epi32(low, _mm512_cmpgt_epi32_mask(rest, ints(least)), low, ints(1));
 }

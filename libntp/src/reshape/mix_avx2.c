@@ -23,6 +23,8 @@
  * such an odd number.  The sum of the last and of the rest times a component is even and at most
  * 510 * 255^2 + 2 * 510, less than 2^25.  So vectors are rounded once, with the right sign.  All numbers
  * of other modes are below 2^24.
+ *
+ * Fused products only make errors smaller.
  */
 #include "reshape/mix_avx2.h"
 
@@ -164,7 +166,7 @@ static void blend(planes *p, int32_t n, const ntp__mix_terms *how, const constan
 static inline __m256i in_doubt(__m256 s, __m256 less)
 {
     enum { NEAREST = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC };
-    const __m256 most = _mm256_add_ps(_mm256_mul_ps(absolute(s), _mm256_set1_ps(0x1p-21F)), less);
+    const __m256 most = _mm256_fmadd_ps(absolute(s), _mm256_set1_ps(0x1p-21F), less);
     const __m256 off = absolute(_mm256_sub_ps(s, _mm256_round_ps(s, NEAREST)));
     return _mm256_castps_si256(_mm256_cmp_ps(off, most, _CMP_LT_OQ));
 }
@@ -183,8 +185,7 @@ static void round_pairs(planes *p, int32_t n, const constants *c)
     for (int32_t i = 0; i < n; i += HALF) {
         const __m256 x = _mm256_loadu_ps(p->v[0] + i), y = _mm256_loadu_ps(p->v[1] + i);
         const __m256 z = _mm256_loadu_ps(p->v[2] + i);
-        const __m256 square = _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y)),
-                                            _mm256_mul_ps(z, z));
+        const __m256 square = _mm256_fmadd_ps(z, z, _mm256_fmadd_ps(y, y, _mm256_mul_ps(x, x)));
         const __m256 factor = _mm256_div_ps(half, _mm256_sqrt_ps(square));
         const __m256 s = _mm256_mul_ps(x, factor), t = _mm256_mul_ps(y, factor);
         const __m256i small = _mm256_castps_si256(_mm256_cmp_ps(square, least2, _CMP_LT_OQ));

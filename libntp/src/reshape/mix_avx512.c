@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * mix_avx512.c - vectors blended in double, and their levels, as mix_avx2.c does it, with AVX-512
- *
- * Fused products only make errors smaller, so its bounds hold.
  */
 #include "reshape/mix_avx2.h"
 

@@ -16,27 +16,26 @@ static inline void MIXED(ntp__mix_planes v, ntp__mix_planes base, ntp__mix_plane
         NUMBER x, y, z;
         if (t->reoriented) {
             const NUMBER tz = OP(add)(bz, m), scale = OP(mul)(tz, m);
-            NUMBER dot = OP(sub)(OP(mul)(tz, dz), OP(add)(OP(mul)(bx, dx), OP(mul)(by, dy)));
+            NUMBER dot = OP(fmsub)(tz, dz, OP(fmadd)(bx, dx, OP(mul)(by, dy)));
             x = OP(mul)(scale, dx);
             y = OP(mul)(scale, dy);
             z = OP(mul)(scale, dz);
 #ifdef FOURS
             const NUMBER fours = OP(set1)(FOURS), part = OP(sub)(OP(add)(dot, fours), fours);
             const NUMBER rest = OP(sub)(dot, part);
-            x = OP(add)(OP(mul)(rest, bx), x);
-            y = OP(add)(OP(mul)(rest, by), y);
-            z = OP(sub)(z, OP(mul)(rest, tz));
+            x = OP(fmadd)(rest, bx, x);
+            y = OP(fmadd)(rest, by, y);
+            z = OP(fnmadd)(rest, tz, z);
             dot = part;
 #endif
-            x = OP(add)(OP(mul)(dot, bx), x);
-            y = OP(add)(OP(mul)(dot, by), y);
-            z = OP(sub)(OP(mul)(dot, tz), z);
+            x = OP(fmadd)(dot, bx, x);
+            y = OP(fmadd)(dot, by, y);
+            z = OP(fmsub)(dot, tz, z);
         } else {
             x = OP(mul)(OP(add)(bx, dx), m);
             y = OP(mul)(OP(add)(by, dy), m);
-            z = OP(add)(
-                OP(mul)(OP(set1)(t->detail_z), dz),
-                OP(mul)(bz, OP(add)(OP(set1)(t->base_z), OP(mul)(OP(set1)(t->product), dz))));
+            z = OP(mul)(bz, OP(fmadd)(OP(set1)(t->product), dz, OP(set1)(t->base_z)));
+            z = OP(fmadd)(OP(set1)(t->detail_z), dz, z);
         }
         STORE(v[0] + i, x);
         STORE(v[1] + i, y);
