@@ -179,6 +179,12 @@ static ALWAYS_INLINE __m256d numerator(__m128i level, int32_t m)
     return _mm256_cvtepi32_pd(_mm_sub_epi32(_mm_add_epi32(level, level), _mm_set1_epi32(m)));
 }
 
+/* What a pair leaves for the square of blue, exactly. */
+static ALWAYS_INLINE __m256d rest_of_pair(__m256d p, __m256d q, int32_t m)
+{
+    return _mm256_fnmadd_pd(q, q, _mm256_fnmadd_pd(p, p, ALL((double) m * m)));
+}
+
 /* Stores the levels of a step and takes their slopes off: what is left are the errors. */
 static ALWAYS_INLINE void leave_errors(wave *along, wave *down, const wave *x, const wave *y,
                                        ntp__wave_step *step, const __m128i r[GROUPS],
@@ -189,14 +195,12 @@ static ALWAYS_INLINE void leave_errors(wave *along, wave *down, const wave *x, c
     for (int32_t k = 0; k < GROUPS; k++) {
         __m128i c[3] = { r[k], g[k] };
         __m256d p = numerator(c[0], m), q = numerator(c[1], m);
-        __m256d rest = _mm256_sub_pd(_mm256_sub_pd(ALL((double) m * m), _mm256_mul_pd(p, p)),
-                                     _mm256_mul_pd(q, q));
+        __m256d rest = rest_of_pair(p, q, m);
         if (_mm256_movemask_pd(rest) != 0) {
             pull_four(&c[0], &c[1], m);
             p = numerator(c[0], m);
             q = numerator(c[1], m);
-            rest = _mm256_sub_pd(_mm256_sub_pd(ALL((double) m * m), _mm256_mul_pd(p, p)),
-                                 _mm256_mul_pd(q, q));
+            rest = rest_of_pair(p, q, m);
         }
         const __m256d z = _mm256_sqrt_pd(rest);
         c[2] = _mm_srli_epi32(_mm_add_epi32(_mm256_cvttpd_epi32(_mm256_mul_pd(twice, z)), more), 1);
