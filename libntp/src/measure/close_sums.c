@@ -37,17 +37,15 @@ static int32_t add_far(ntp__sums *sums, ntp__far_counts *far, ntp__block *block,
 }
 #endif
 
-void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_counts *far,
-                          ntp__block *block, int32_t n)
+int32_t ntp__take_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_counts *far,
+                              ntp__block *block, int32_t n)
 {
     ntp__fit_sums *const zz = &sums->fit[1];
     ntp__close_block found;
     int32_t *const colors[3] = { block->c[0], block->c[1], block->c[2] };
     ntp__count_close_fn *const count = close_kernel();
-    if (count == NULL) {
-        ntp__add_block(sums, block, NULL, n, 65535, NTP_ENCODING_STANDARD);
-        return;
-    }
+    if (count == NULL)
+        return n;
 #ifdef NTP_HAVE_AVX2
     /* There is a kernel that counts close ones, so there is AVX2.  After a block without close texels, far ones are
      * looked for first. */
@@ -55,7 +53,7 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_co
     if (first)
         n = add_far(sums, far, block, n);
     if (n == 0)
-        return;
+        return 0;
 #endif
     count(&found, close, zz->levels_off, colors, n);
     if (found.texels > 0) {
@@ -77,7 +75,14 @@ void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_co
 #else
     (void) far;
 #endif
-    ntp__add_block(sums, block, NULL, found.left, 65535, NTP_ENCODING_STANDARD);
+    return found.left;
+}
+
+void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, ntp__far_counts *far,
+                          ntp__block *block, int32_t n)
+{
+    ntp__add_block(sums, block, NULL, ntp__take_close_block(sums, close, far, block, n), 65535,
+                   NTP_ENCODING_STANDARD);
 }
 
 void ntp__add_exact(ntp__sums *sums, const ntp__exact_block *found)

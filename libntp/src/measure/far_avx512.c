@@ -372,7 +372,7 @@ static inline texels take_waiting(far_texels *f)
 }
 
 /* Of packed texels, or where there are none, of a block; returns how many are others.  *n becomes how many are done:
- * all of a block, and of more than that those up to others. */
+ * all of a block, and of more than that those whose others have room. */
 static int32_t add_far(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found, ntp__block *block,
                        const uint16_t *rgb, int32_t *n)
 {
@@ -381,8 +381,8 @@ static int32_t add_far(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found
     far_texels f;
     int32_t left = 0, i = 0;
     begin(&f);
-    while (i < *n && (i < NTP__BLOCK || left == 0)) {
-        const int32_t last = *n - i < STEP ? *n : i + STEP;
+    for (int32_t room = STEP; i < *n && room >= STEP / 4;) {
+        const int32_t last = *n - i < room ? *n : i + room;
         f.n = f.negative = f.too_long = f.padding = 0;
         if (rgb != NULL)
             survey(&f.sums.seen, odd, rgb + (size_t) 3 * i, last - i);
@@ -413,6 +413,7 @@ static int32_t add_far(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found
             left += count_of(others);
         }
         i = last;
+        room = (NTP__BLOCK - left - f.waiting) & -LANES_512;
         if (f.n > 0)
             add_judged(sums, far, &f);
     }

@@ -237,22 +237,7 @@ static void add_planes(ntp_tally *t, const ntp__survey *survey)
     }
 }
 
-/* Counts a used texel of a block; false: it is not counted yet, but one for count_wide. */
-static bool count_used(ntp_tally *t, narrow_texels *narrow, int32_t r, int32_t g, int32_t b,
-                       int32_t m)
-{
-    if (m == 255) {
-        add_narrow(narrow, r, g, b);
-        return true;
-    }
-    if (is_narrow(r) && is_narrow(g) && is_narrow(b)) {
-        add_narrow(narrow, r, g, b);
-        return true;
-    }
-    t->is_wide = 1;
-    note_flat(t, r, g, b);
-    return false;
-}
+#include "measure/split16_tmpl.h"
 
 /* Alpha of texels, and how many have green and alpha on the disc: of all, or of used ones. */
 static void count_alpha(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m, bool all)
@@ -291,17 +276,20 @@ static void count_each(ntp_tally *t, packed_counts *counts, ntp__block *block, i
             add_transparent(t, &unused, r, g, b, m);
             continue;
         }
-        if (!count_used(t, &narrow, r, g, b, m)) {
-            /* Wide texels are gathered at the front of the block. */
-            block->c[0][wide] = r;
-            block->c[1][wide] = g;
-            block->c[2][wide++] = b;
+        if (m == 255) {
+            add_narrow(&narrow, r, g, b);
+            continue;
         }
+        block->c[0][wide] = r;
+        block->c[1][wide] = g;
+        block->c[2][wide++] = b;
     }
     end_unused(t, &unused, m);
     if (narrow.n > 0)
         count_narrow(t, counts, &narrow);
-    count_wide(t, block, wide);
+    const uint64_t gray = t->gray; /* these were counted on the way here */
+    count_opaque16(t, counts, block, wide);
+    t->gray = gray;
 }
 
 /* All but alpha; `opaque`: no texel is unused for that. */
@@ -316,6 +304,10 @@ static void count_planes(ntp_tally *t, packed_counts *counts, ntp__block *block,
         if (m == 65535 && opaque && survey.odd == 0) {
             t->is_wide = 1;
             count_wide(t, block, n);
+            return;
+        }
+        if (m == 65535 && opaque) {
+            count_opaque16(t, counts, block, n);
             return;
         }
     }
@@ -337,15 +329,12 @@ static void count_picture(ntp_tally *t, ntp__block *block, int32_t n, int32_t m)
 {
     const int32_t *const r = block->c[0], *const g = block->c[1], *const b = block->c[2];
     ntp__survey survey;
-    int32_t gray = 0, wide = 0;
+    kinds16 kinds;
     ntp__kernels(NTP__CPU_ALL)->survey(&survey, block->c[0], block->c[1], block->c[2], n);
     add_planes(t, &survey);
-    for (int32_t i = 0; i < n; i++) {
-        gray += (r[i] == g[i]) & (g[i] == b[i]);
-        wide |= ((r[i] >> 8) ^ r[i]) | ((g[i] >> 8) ^ g[i]) | ((b[i] >> 8) ^ b[i]);
-    }
-    t->gray += (uint32_t) gray;
-    t->is_wide |= m != 255 && (wide & 255) != 0;
+    find_kinds(&kinds, block, n, 0);
+    t->gray += (uint32_t) kinds.gray;
+    t->is_wide |= m != 255 && (kinds.some & IS_WIDE);
     if (t->channels == 2 || t->channels == 4)
         count_alpha(t, block, n, m, true);
     for (int32_t i = 0; block->any_broken && i < n; i++)
@@ -377,7 +366,7 @@ static void count_gray8(ntp_tally *t, const uint8_t *p, int32_t n)
 /* Looks for a second used color.  Only images of one color are searched to the end. */
 static void note_colors(ntp_tally *t, const ntp__block *block, int32_t n, int32_t m)
 {
-    if (t->colors == 1 && n == NTP__BLOCK && !ntp__may_differ(t, block, m))
+    if (n == NTP__BLOCK && !ntp__may_differ(t, block, m))
         return;
     for (int32_t i = 0; i < n && t->colors < 2; i++) {
         int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
@@ -415,7 +404,8 @@ static void count_row(ntp_tally *t, waiting *w, packed_counts *packed, const ntp
     bool words = src->encoding == NTP_ENCODING_STANDARD && src->type == NTP_TYPE_U16 &&
                  src->channels >= 3 && ntp__is_packed(src) && w->count_exact != NULL;
     bool gray = picture && src->type == NTP_TYPE_U8 && src->channels == 1 && ntp__is_packed(src);
-    int32_t m = ntp__max(src->type), step = bytes || gray ? x1 - x0 : NTP__BLOCK;
+    int32_t m = ntp__max(src->type),
+            step = bytes || gray ? x1 - x0 : words ? RGBA_AT_ONCE : NTP__BLOCK;
     const uint64_t used = t->narrow + t->wide.texels;
     for (int32_t x = x0, n; x < x1; x += n) {
         n = x1 - x < step ? x1 - x : step;
@@ -478,9 +468,9 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     tally->cells.few = !tally->cells.unnoted && tally->texels + width * height <= NTP__FEW;
     tally->summed = 0;
     waiting left;
-    left.n = left.noise = 0;
+    left.n = left.noise = left.n_hidden = 0;
     left.count_exact = exact_kernel();
-    left.block.any_broken = left.clear = false;
+    left.block.any_broken = left.hidden.any_broken = left.clear = false;
     for (int32_t i = 0; i < NTP__BLOCK; i++)
         left.block.c[3][i] = 65535;
     packed_counts packed;
@@ -490,7 +480,8 @@ ntp_status ntp_tally_add(ntp_tally *tally, const ntp_const_image *src, uint32_t 
     for (int32_t y = rect.y0; y < rect.y1; y++)
         count_row(tally, &left, &packed, src, rect.x0, rect.x1, y);
     end_survey(tally, &packed);
-    end_waiting(tally, &left);
+    end_waiting(tally, &left, true);
+    end_hidden(tally, &left, true);
     if (src->channels == 4) {
         end_alpha(tally, &packed.alpha);
         end_alpha(tally, &left.narrow.alpha);

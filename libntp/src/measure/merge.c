@@ -213,6 +213,10 @@ ntp_status ntp_tally_merge(ntp_tally *into, const ntp_tally *from)
         ntp__merge_close(&into->close, &from->close, &from->wide);
     ntp__merge_far(&into->wide, &from->far, &from->wide);
     ntp__merge_sums(&into->transparent_wide, &from->transparent_wide);
+    into->hidden |= from->hidden;
+    if (from->hidden)
+        ntp__merge_close(&into->close_hidden, &from->close_hidden, &from->transparent_wide);
+    ntp__merge_far(&into->transparent_wide, &from->far_hidden, &from->transparent_wide);
     ntp__merge_sums(&into->transparent_narrow, &from->transparent_narrow);
     merge_samples(into, from);
     ntp__merge_cells(&into->cells, &from->cells, ntp__steepest_of(from));
@@ -230,6 +234,9 @@ ntp_status ntp_tally_clear(ntp_tally *t)
     if (t->wide.texels > 0)
         ntp__clear_close(&t->close, &t->wide);
     ntp__clear_far(&t->far, &t->wide);
+    if (t->hidden)
+        ntp__clear_close(&t->close_hidden, &t->transparent_wide);
+    ntp__clear_far(&t->far_hidden, &t->transparent_wide);
     ntp__clear_sums(&t->wide);
     ntp__clear_sums(&t->transparent_wide);
     ntp__clear_sums(&t->transparent_narrow);

@@ -12,23 +12,29 @@ typedef struct waiting {
     int32_t n;
     int32_t noise;                    /* blocks to come in which exact ones are not looked for */
     ntp__count_exact_fn *count_exact; /* NULL where planes are as fast */
+    ntp__block hidden; /* colors of alpha 0 */
+    int32_t n_hidden;
     bool clear;                       /* the block before had texels that no alpha shows */
     packed_counts narrow;             /* also counts alpha, of 16 bit rounded to 8 */
 } waiting;
 
-enum { NOISE = 7 };
+enum { NOISE = 7, FEW_LEFT16 = 32, RGBA_AT_ONCE = 4 * NTP__BLOCK };
 
-static void end_waiting(ntp_tally *t, waiting *w)
+/* Counts them; but for the `last` time some may stay. */
+static void end_waiting(ntp_tally *t, waiting *w, bool last)
 {
     ntp__survey survey;
     if (w->n == 0)
         return;
     ntp__kernels(NTP__CPU_ALL)->survey(&survey, w->block.c[0], w->block.c[1], w->block.c[2], w->n);
     if (survey.odd != 0) {
-        count_each(t, &w->narrow, &w->block, w->n, 65535);
+        count_opaque16(t, &w->narrow, &w->block, w->n);
     } else {
         t->is_wide = 1;
-        count_wide(t, &w->block, w->n);
+        w->n = ntp__take_close_block(&t->wide, &t->close, &t->far, &w->block, w->n);
+        if (w->n < FEW_LEFT16 && !last)
+            return; /* these wait again, for too few are judged together */
+        ntp__add_block(&t->wide, &w->block, NULL, w->n, 65535, NTP_ENCODING_STANDARD);
     }
     w->n = 0;
 }
@@ -38,7 +44,7 @@ static void wait(ntp_tally *t, waiting *w, const uint16_t *p, const int32_t *at,
 {
     for (int32_t some; n > 0; n -= some, at += some) {
         if (w->n == NTP__BLOCK)
-            end_waiting(t, w);
+            end_waiting(t, w, false);
         some = n < NTP__BLOCK - w->n ? n : NTP__BLOCK - w->n;
         int32_t *const r = w->block.c[0] + w->n, *const g = w->block.c[1] + w->n,
                        *const b = w->block.c[2] + w->n;
@@ -91,6 +97,7 @@ static int32_t count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_
     enum { AT_ONCE = 16 };
     ntp__survey survey;
     ntp__block left;
+    kinds16 kinds;
     if (t->far.first == 0 || t->far.skip > 0 || n < AT_ONCE || !ntp__cpu_has_avx512(NTP__CPU_ALL))
         return 0;
     const int32_t others = ntp__add_far_rgb_avx512(&t->wide, &t->far, &survey, &left, p, &n);
@@ -98,11 +105,13 @@ static int32_t count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_
     t->is_wide |= others < n;
     if (others > n / 4)
         w->noise = 0; /* exact ones may have come */
-    if (w->n + others > NTP__BLOCK)
-        end_waiting(t, w);
-    t->gray += survey.gray;
-    for (int32_t i = 0; i < others; i++) /* these are to be counted */
-        t->gray -= left.c[0][i] == left.c[1][i] && left.c[1][i] == left.c[2][i];
+    if (w->n + others > NTP__BLOCK) {
+        end_waiting(t, w, false);
+        t->far.first = 1; /* those of others say little of what comes */
+        t->far.skip = 0;
+    }
+    find_kinds(&kinds, &left, others, 0);
+    t->gray += survey.gray - (uint32_t) kinds.gray; /* those of others are to be counted */
     for (int32_t k = 0; k < 3; k++)
         memcpy(w->block.c[k] + w->n, left.c[k], (size_t) others * sizeof left.c[k][0]);
     w->n += others;
@@ -120,7 +129,7 @@ static int32_t count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_
 static void count_words(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 {
     for (int32_t done; n > 0; n -= done, p += 3 * done) {
-        if (w->noise == 0) {
+        if (w->noise == 0 || n < NTP__EXACT_GROUP) {
             done = count_rgb16(t, w, p, n);
             continue;
         }
@@ -145,20 +154,19 @@ static void count_words(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 
 /* What is to be known of the alpha of a block; and how many texels are used. */
 typedef struct alpha16 {
-    int32_t used, clear;
-    uint16_t every;
+    int32_t used, clear, opaque;
     uint64_t colors; /* the bits of any that is clear */
 } alpha16;
 
 /* The colors of texels, all of which are used if none is clear. */
 static alpha16 take_all(uint16_t *rgb, const uint16_t *p, int32_t n)
 {
-    alpha16 found = { n, 0, 65535, 0 };
+    alpha16 found = { n, 0, 0, 0 };
     for (int32_t i = 0; i < n; i++) {
         uint64_t texel;
         memcpy(&texel, p + 4 * i, sizeof texel);
         memcpy(rgb + 3 * i, &texel, sizeof texel);
-        found.every &= p[4 * i + 3];
+        found.opaque += p[4 * i + 3] == 65535;
         found.clear += p[4 * i + 3] == 0;
     }
     return found;
@@ -167,7 +175,7 @@ static alpha16 take_all(uint16_t *rgb, const uint16_t *p, int32_t n)
 /* Those of used ones.  Texels with and without alpha may take turns, so there is no branch for each. */
 static alpha16 take_used(uint16_t *rgb, const uint16_t *p, int32_t n, int32_t touched)
 {
-    alpha16 found = { 0, 0, 65535, 0 };
+    alpha16 found = { 0 };
     for (int32_t i = 0; i < n; i++) {
         const uint16_t *const from = p + 4 * i;
         uint64_t texel;
@@ -176,17 +184,51 @@ static alpha16 take_used(uint16_t *rgb, const uint16_t *p, int32_t n, int32_t to
         const int32_t is_clear = from[3] == 0;
         found.colors |= texel & (0 - (uint64_t) is_clear);
         found.clear += is_clear;
-        found.every &= (uint16_t) (from[3] - is_clear); /* 65535 for 0 */
+        found.opaque += from[3] == 65535;
         found.used += touched | (from[3] != 0);
     }
     return found;
+}
+
+static void end_hidden(ntp_tally *t, waiting *w, bool last)
+{
+    ntp__sums *const sums = &t->transparent_wide;
+    t->hidden |= w->n_hidden > 0;
+    w->n_hidden =
+        ntp__take_close_block(sums, &t->close_hidden, &t->far_hidden, &w->hidden, w->n_hidden);
+    if (w->n_hidden < FEW_LEFT16 && !last)
+        return;
+    ntp__add_block(sums, &w->hidden, NULL, w->n_hidden, 65535, NTP_ENCODING_STANDARD);
+    w->n_hidden = 0;
+}
+
+/* Those that are not of 8 bit wait for others; the rest goes to the front.  Returns how many these are. */
+static int32_t wait_hidden(ntp_tally *t, waiting *w, ntp__block *block, int32_t n)
+{
+    int32_t at, left = 0;
+    if (w->n_hidden + n > NTP__BLOCK)
+        end_hidden(t, w, false);
+    at = w->n_hidden;
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
+        const int32_t is_wide = apart_from_narrow(r, g, b) != 0;
+        w->hidden.c[0][at] = block->c[0][left] = r;
+        w->hidden.c[1][at] = block->c[1][left] = g;
+        w->hidden.c[2][at] = block->c[2][left] = b;
+        at += is_wide;
+        left += 1 - is_wide;
+    }
+    t->is_wide |= left < n;
+    t->transparent += (uint32_t) (n - left);
+    w->n_hidden = at;
+    return left;
 }
 
 /* Alpha that is not only 0 and M.  Unused texels are not on the disc: they have an alpha of 0, or a green of 0 or M. */
 static void count_alpha16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 {
     const uint64_t one = 0x0001000100010001;
-    uint8_t narrow[4 * NTP__BLOCK];
+    uint8_t narrow[4 * RGBA_AT_ONCE];
     uint32_t sum = 0, least = 65535, greatest = 0, wide = 0;
     for (int32_t i = 0; i < n; i++) {
         const uint32_t a = p[4 * i + 3];
@@ -198,11 +240,10 @@ static void count_alpha16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n
         texel = (texel | texel >> 8) & 0x0000ffff0000ffff;
         const uint32_t four = (uint32_t) (texel | texel >> 16);
         memcpy(narrow + 4 * i, &four, sizeof four);
-        sum += a; /* below 2^24 */
+        sum += a; /* below 2^26 */
         least = a < least ? a : least;
         greatest = a > greatest ? a : greatest;
         wide |= a >> 8 ^ a;
-        t->wide_alpha_ends[1] += a == 65535;
     }
     count_alphas(t, &w->narrow.alpha, narrow, n);
     t->is_wide |= (wide & 255) != 0;
@@ -211,25 +252,50 @@ static void count_alpha16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n
     ntp__merge_max(&t->alpha_levels.inverted_min, ~least);
 }
 
+/* Those of up to a block that are unused for an alpha of 0. */
+static void count_hidden(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
+{
+    ntp__block block;
+    ntp__survey survey;
+    int32_t hidden = 0;
+    for (int32_t i = 0; i < n; i++, p += 4) {
+        for (int32_t k = 0; k < 3; k++)
+            block.c[k][hidden] = p[k];
+        hidden += p[3] == 0;
+    }
+    if (hidden == 0)
+        return;
+    ntp__kernels(NTP__CPU_ALL)->survey(&survey, block.c[0], block.c[1], block.c[2], hidden);
+    add_planes(t, &survey);
+    /* Runs of one color are judged once, and so is what is of 8 bit. */
+    const bool one = survey.least[0] == survey.greatest[0] && survey.least[1] == survey.greatest[1];
+    const int32_t left = one ? hidden : wait_hidden(t, w, &block, hidden);
+    if (left == 0)
+        return;
+    memset(block.c[3], 0, sizeof block.c[3]);
+    block.any_broken = false;
+    count_each(t, &w->narrow, &block, left, 65535);
+}
+
 static void count_rgba16(ntp_tally *t, waiting *w, const ntp_const_image *src, int32_t x, int32_t y,
                          int32_t n)
 {
     enum { M = 65535 };
     const uint16_t *const p = ntp__at(src, x, y);
     const int32_t touched = (t->touched & NTP_UNUSED_TRANSPARENT) != 0;
-    uint16_t rgb[3 * NTP__BLOCK + 1];
+    uint16_t rgb[3 * RGBA_AT_ONCE + 1];
     alpha16 found = { 0 };
     if (!w->clear)
         found = take_all(rgb, p, n);
     if (w->clear || found.clear > 0)
         found = take_used(rgb, p, n, touched);
     w->clear = found.clear > 0;
+    const int32_t opaque = found.opaque;
     t->wide_alpha_ends[0] += (uint32_t) found.clear;
-    if (found.every == M) {
-        const int32_t opaque = n - found.clear;
+    t->wide_alpha_ends[1] += (uint32_t) opaque;
+    if (opaque + found.clear == n) {
         t->alpha[255] += (uint32_t) opaque;
         t->alpha[0] += (uint32_t) found.clear;
-        t->wide_alpha_ends[1] += (uint32_t) opaque;
         t->alpha_levels.sum += (uint64_t) (uint32_t) opaque * M;
         ntp__merge_max(&t->alpha_levels.max, opaque > 0 ? M : 0);
         ntp__merge_max(&t->alpha_levels.inverted_min, ~(found.clear > 0 ? 0U : M));
@@ -246,26 +312,6 @@ static void count_rgba16(ntp_tally *t, waiting *w, const ntp_const_image *src, i
         t->black += (uint32_t) found.clear;
         return;
     }
-    ntp__block block;
-    int32_t unused = 0;
-    ntp__unpack(&block, src, x, y, n);
-    for (int32_t i = 0; i < n; i++) {
-        const int32_t a = block.c[3][i];
-        for (int32_t k = 0; k < 3; k++)
-            block.c[k][unused] = block.c[k][i];
-        block.c[3][unused] = 0;
-        unused += a == 0;
-    }
-    ntp__survey survey;
-    ntp__kernels(NTP__CPU_ALL)->survey(&survey, block.c[0], block.c[1], block.c[2], unused);
-    add_planes(t, &survey);
-    /* What is gray or of 8 bit is told apart, and runs of one color are judged once. */
-    if (survey.odd != 0 ||
-        (survey.least[0] == survey.greatest[0] && survey.least[1] == survey.greatest[1])) {
-        count_each(t, &w->narrow, &block, unused, M);
-        return;
-    }
-    t->is_wide = 1;
-    t->transparent += (uint32_t) unused;
-    ntp__add_block(&t->transparent_wide, &block, NULL, unused, M, NTP_ENCODING_STANDARD);
+    for (int32_t i = 0; i < n; i += NTP__BLOCK)
+        count_hidden(t, w, p + 4 * i, n - i < NTP__BLOCK ? n - i : NTP__BLOCK);
 }

@@ -78,6 +78,14 @@ static void add_gray(ntp_tally *t, int32_t level, int32_t m, uint64_t count, ntp
         ntp__add(&t->unused, gray, (uint32_t) count, m, encoding);
 }
 
+static void take_counts(ntp__sums *sums, ntp__close_counts *close, ntp__far_counts *far)
+{
+    ntp__take_close(sums, close);
+    ntp__merge_far(sums, far, sums);
+    ntp__clear_far(far, sums);
+    ntp__take_others(sums);
+}
+
 ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
 {
     if (t == NULL || t->depth == 0 ||
@@ -95,12 +103,10 @@ ntp_status ntp__sum_up(ntp_tally *t, ntp_encoding encoding)
     ntp__clear_sums(&t->used);
     ntp__clear_sums(&t->unused);
     if (!picture) {
-        if (t->wide.texels > 0) {
-            ntp__take_close(&t->wide, &t->close);
-            ntp__merge_far(&t->wide, &t->far, &t->wide);
-            ntp__clear_far(&t->far, &t->wide);
-            ntp__take_others(&t->wide);
-        }
+        if (t->wide.texels > 0)
+            take_counts(&t->wide, &t->close, &t->far);
+        if (t->hidden)
+            take_counts(&t->transparent_wide, &t->close_hidden, &t->far_hidden);
         if (t->narrow > 0) {
             ntp__merge_sums(&t->used, &t->wide);
             add_cells(t, m, encoding);

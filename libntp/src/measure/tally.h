@@ -52,6 +52,7 @@ typedef struct ntp__channel_sums {
 struct ntp_tally {
     /* What was measured; depth 0: nothing yet. */
     uint32_t depth, channels, encoding, touched;
+    uint32_t hidden;  /* texels of transparent_wide are in close_hidden and far_hidden */
     uint32_t is_wide; /* a 16-bit level that is no multiple of 257 was seen */
     uint64_t texels, black, white, transparent, not_finite, gray;
     uint64_t ag_in_disc;
@@ -99,6 +100,8 @@ struct ntp_tally {
     uint64_t pair_blue[65536];
     ntp__sums transparent_narrow; /* judged at 8 bit */
     ntp__far_counts far;          /* texels of `wide`, as those in `close` */
+    ntp__close_counts close_hidden; /* of transparent_wide, if hidden is set */
+    ntp__far_counts far_hidden;
 };
 
 /* A caller may put one large page under the counts of the depth it has (libntp.h, ntp_tally_size). */
@@ -166,11 +169,11 @@ static inline bool ntp__may_differ(const ntp_tally *t, const ntp__block *block, 
 {
     const int32_t black = t->touched & NTP_UNUSED_BLACK ? 1 : 0;
     const int32_t white = t->touched & NTP_UNUSED_WHITE ? 1 : 0;
-    int32_t any = 0;
+    int32_t any = 0, first = t->colors == 0; /* none is noted: any may be it */
     for (int32_t i = 0; i < NTP__BLOCK; i++) {
         const int32_t r = block->c[0][i], g = block->c[1][i], b = block->c[2][i];
-        const int32_t other =
-            (r ^ (int32_t) t->color[0]) | (g ^ (int32_t) t->color[1]) | (b ^ (int32_t) t->color[2]);
+        const int32_t other = first | (r ^ (int32_t) t->color[0]) | (g ^ (int32_t) t->color[1]) |
+                              (b ^ (int32_t) t->color[2]);
         any |= (other != 0) & ((r | g | b | black) != 0) & ((((r & g & b) ^ m) | white) != 0);
     }
     return any != 0;
