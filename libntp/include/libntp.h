@@ -344,7 +344,7 @@ NTP_API ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
  * The tally of a measurement: memory of ntp_tally_size() bytes, aligned to 16, zero-filled (calloc)
  * and freed by the caller.  It holds only integer counts and sums, so the tallies of parts merge
  * exactly, in any order.  It holds up to 2^32 - 1 texels of one depth.
- * It takes 21 MB of address space, of which most stays untouched: memory from calloc costs only
+ * It takes 22 MB of address space, of which most stays untouched: memory from calloc costs only
  * what is touched.  A clean texture of any size takes up to 1 MB (16 bit: 0.7 MB), a damaged one of
  * 8 bit about 3.5 MB, noise 4 MB, and up to 6 MB where many of its colors are frequent, 11 MB where
  * these have 65536 texels and more.  A cleared tally keeps what it has touched.

@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { W = 256, H = 100, FEW_ROWS = 9, KINDS = 6, WAYS = 6 };
+enum { W = 256, H = 100, FEW_ROWS = 9, KINDS = 7, WAYS = 6 };
 
-typedef enum kind { CLEAN, SOME_FAR, NOISE, BANDS, STRIPES, ALPHAS } kind;
+typedef enum kind { CLEAN, SOME_FAR, NOISE, BANDS, STRIPES, ALPHAS, DOTS } kind;
 
 typedef struct facts {
     ntp_stats stats[2];
@@ -84,6 +84,22 @@ static void draw_alphas(uint16_t *p, int32_t x, int32_t y, uint32_t any)
     p[3] = (uint16_t) (alpha > 65535 ? most() : alpha * by / 257);
 }
 
+/* Noise, clean texels and a few colors in any order; rows of which none, any or all have an alpha of 0. */
+static void draw_dots(uint16_t *p, int32_t y, uint32_t any)
+{
+    const uint16_t m = (uint16_t) most(), middle = m / 2;
+    const uint16_t colors[][3] = { { 0, 0, 0 },          { m, m, m },
+                                   { 257, 514, 771 },    { middle, middle, m },
+                                   { 1000, 1000, 1000 }, { middle, (uint16_t) (middle + 1), m } };
+    const uint32_t which = y < H / 2 ? any % 8 : any % 64;
+    if (which < sizeof colors / sizeof colors[0])
+        memcpy(p, colors[which], sizeof colors[0]);
+    else if (y / 10 % 2 != 0)
+        memcpy(p, &any, sizeof any);
+    if (y % 10 > 6 || (y % 10 > 2 && any >> 30 != 0))
+        p[3] = 0;
+}
+
 static void store(int32_t at, uint16_t sample)
 {
     if (type == NTP_TYPE_U8)
@@ -111,6 +127,8 @@ static void draw(kind k, int32_t channels, uint64_t *seed)
             draw_background(p, i % W, i / W);
         if (k == STRIPES)
             draw_stripes(p, i % W, i / W);
+        if (k == DOTS)
+            draw_dots(p, i / W, any);
         if (k == ALPHAS)
             draw_alphas(p, i % W, i / W, any);
         for (int32_t c = 0; c < channels; c++)
@@ -241,6 +259,7 @@ int main(void)
         touched = TOUCHED[i];
         check(BANDS, 4, &seed);
         check(STRIPES, 4, &seed);
+        check(DOTS, 4, &seed);
     }
     return 0;
 }

@@ -240,7 +240,7 @@ class Tally:
     """Measures a texture in parts: rows, tiles, or what other threads have measured.
 
     The sums are integers: parts add up to what the whole would give, in any order.  A tally takes
-    21 MB of address space, of which a clean 8-bit texture touches little.
+    22 MB of address space, of which a clean 8-bit texture touches little.
 
     Parameters
     ----------

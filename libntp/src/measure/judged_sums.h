@@ -98,8 +98,8 @@ struct ntp__far_counts; /* far_texels.h */
 /* Adds those of n 16-bit texels of the standard encoding, which angles are those of too, that are close to exact or
  * far from it, as long as kernels find them.  The others go to the front of the block; returns how many they are.
  * Close ones are counted in `close`, as far as that holds them; counts of far ones are partly in `far`. */
-int32_t ntp__take_close_block(ntp__sums *sums, ntp__close_counts *close, struct ntp__far_counts *far,
-                              ntp__block *block, int32_t n);
+int32_t ntp__take_close_block(ntp__sums *sums, ntp__close_counts *close,
+                              struct ntp__far_counts *far, ntp__block *block, int32_t n);
 
 /* Adds all of them.  Changes the block. */
 void ntp__add_close_block(ntp__sums *sums, ntp__close_counts *close, struct ntp__far_counts *far,

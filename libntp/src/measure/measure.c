@@ -404,8 +404,9 @@ static void count_row(ntp_tally *t, waiting *w, packed_counts *packed, const ntp
     bool words = src->encoding == NTP_ENCODING_STANDARD && src->type == NTP_TYPE_U16 &&
                  src->channels >= 3 && ntp__is_packed(src) && w->count_exact != NULL;
     bool gray = picture && src->type == NTP_TYPE_U8 && src->channels == 1 && ntp__is_packed(src);
-    int32_t m = ntp__max(src->type),
-            step = bytes || gray ? x1 - x0 : words ? RGBA_AT_ONCE : NTP__BLOCK;
+    int32_t m = ntp__max(src->type), step = bytes || gray ? x1 - x0
+                                            : words       ? RGBA_AT_ONCE
+                                                          : NTP__BLOCK;
     const uint64_t used = t->narrow + t->wide.texels;
     for (int32_t x = x0, n; x < x1; x += n) {
         n = x1 - x < step ? x1 - x : step;

@@ -12,13 +12,24 @@ typedef struct waiting {
     int32_t n;
     int32_t noise;                    /* blocks to come in which exact ones are not looked for */
     ntp__count_exact_fn *count_exact; /* NULL where planes are as fast */
-    ntp__block hidden; /* colors of alpha 0 */
+    ntp__block hidden;                /* colors of alpha 0 */
     int32_t n_hidden;
-    bool clear;                       /* the block before had texels that no alpha shows */
-    packed_counts narrow;             /* also counts alpha, of 16 bit rounded to 8 */
+    bool clear;           /* the block before had texels that no alpha shows */
+    packed_counts narrow; /* also counts alpha, of 16 bit rounded to 8 */
 } waiting;
 
-enum { NOISE = 7, FEW_LEFT16 = 32, RGBA_AT_ONCE = 4 * NTP__BLOCK };
+enum { NOISE = 7, FEW_LEFT16 = 32, HIDDEN = NTP__BLOCK - FEW_LEFT16, RGBA_AT_ONCE = 4 * NTP__BLOCK };
+
+/* Returns how many stay, at the front: too few to be judged together, but for the `last` time. */
+static int32_t count_or_keep(ntp__sums *sums, ntp__close_counts *close, ntp__far_counts *far,
+                             ntp__block *block, int32_t n, bool last)
+{
+    n = ntp__take_close_block(sums, close, far, block, n);
+    if (n < FEW_LEFT16 && !last)
+        return n;
+    ntp__add_block(sums, block, NULL, n, 65535, NTP_ENCODING_STANDARD);
+    return 0;
+}
 
 /* Counts them; but for the `last` time some may stay. */
 static void end_waiting(ntp_tally *t, waiting *w, bool last)
@@ -31,10 +42,8 @@ static void end_waiting(ntp_tally *t, waiting *w, bool last)
         count_opaque16(t, &w->narrow, &w->block, w->n);
     } else {
         t->is_wide = 1;
-        w->n = ntp__take_close_block(&t->wide, &t->close, &t->far, &w->block, w->n);
-        if (w->n < FEW_LEFT16 && !last)
-            return; /* these wait again, for too few are judged together */
-        ntp__add_block(&t->wide, &w->block, NULL, w->n, 65535, NTP_ENCODING_STANDARD);
+        w->n = count_or_keep(&t->wide, &t->close, &t->far, &w->block, w->n, last);
+        return;
     }
     w->n = 0;
 }
@@ -106,7 +115,7 @@ static int32_t count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_
     if (others > n / 4)
         w->noise = 0; /* exact ones may have come */
     if (w->n + others > NTP__BLOCK) {
-        end_waiting(t, w, false);
+        end_waiting(t, w, others > NTP__BLOCK - FEW_LEFT16);
         t->far.first = 1; /* those of others say little of what comes */
         t->far.skip = 0;
     }
@@ -154,19 +163,20 @@ static void count_words(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 
 /* What is to be known of the alpha of a block; and how many texels are used. */
 typedef struct alpha16 {
-    int32_t used, clear, opaque;
+    int32_t used, clear;
+    uint16_t every;
     uint64_t colors; /* the bits of any that is clear */
 } alpha16;
 
 /* The colors of texels, all of which are used if none is clear. */
 static alpha16 take_all(uint16_t *rgb, const uint16_t *p, int32_t n)
 {
-    alpha16 found = { n, 0, 0, 0 };
+    alpha16 found = { n, 0, 65535, 0 };
     for (int32_t i = 0; i < n; i++) {
         uint64_t texel;
         memcpy(&texel, p + 4 * i, sizeof texel);
         memcpy(rgb + 3 * i, &texel, sizeof texel);
-        found.opaque += p[4 * i + 3] == 65535;
+        found.every &= p[4 * i + 3];
         found.clear += p[4 * i + 3] == 0;
     }
     return found;
@@ -175,7 +185,7 @@ static alpha16 take_all(uint16_t *rgb, const uint16_t *p, int32_t n)
 /* Those of used ones.  Texels with and without alpha may take turns, so there is no branch for each. */
 static alpha16 take_used(uint16_t *rgb, const uint16_t *p, int32_t n, int32_t touched)
 {
-    alpha16 found = { 0 };
+    alpha16 found = { 0, 0, 65535, 0 };
     for (int32_t i = 0; i < n; i++) {
         const uint16_t *const from = p + 4 * i;
         uint64_t texel;
@@ -184,7 +194,7 @@ static alpha16 take_used(uint16_t *rgb, const uint16_t *p, int32_t n, int32_t to
         const int32_t is_clear = from[3] == 0;
         found.colors |= texel & (0 - (uint64_t) is_clear);
         found.clear += is_clear;
-        found.opaque += from[3] == 65535;
+        found.every &= (uint16_t) (from[3] - is_clear); /* 65535 for 0 */
         found.used += touched | (from[3] != 0);
     }
     return found;
@@ -192,14 +202,9 @@ static alpha16 take_used(uint16_t *rgb, const uint16_t *p, int32_t n, int32_t to
 
 static void end_hidden(ntp_tally *t, waiting *w, bool last)
 {
-    ntp__sums *const sums = &t->transparent_wide;
     t->hidden |= w->n_hidden > 0;
-    w->n_hidden =
-        ntp__take_close_block(sums, &t->close_hidden, &t->far_hidden, &w->hidden, w->n_hidden);
-    if (w->n_hidden < FEW_LEFT16 && !last)
-        return;
-    ntp__add_block(sums, &w->hidden, NULL, w->n_hidden, 65535, NTP_ENCODING_STANDARD);
-    w->n_hidden = 0;
+    w->n_hidden = count_or_keep(&t->transparent_wide, &t->close_hidden, &t->far_hidden, &w->hidden,
+                                w->n_hidden, last);
 }
 
 /* Those that are not of 8 bit wait for others; the rest goes to the front.  Returns how many these are. */
@@ -244,6 +249,7 @@ static void count_alpha16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n
         least = a < least ? a : least;
         greatest = a > greatest ? a : greatest;
         wide |= a >> 8 ^ a;
+        t->wide_alpha_ends[1] += a == 65535;
     }
     count_alphas(t, &w->narrow.alpha, narrow, n);
     t->is_wide |= (wide & 255) != 0;
@@ -252,7 +258,7 @@ static void count_alpha16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n
     ntp__merge_max(&t->alpha_levels.inverted_min, ~least);
 }
 
-/* Those of up to a block that are unused for an alpha of 0. */
+/* Those of up to HIDDEN texels that are unused for an alpha of 0. */
 static void count_hidden(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 {
     ntp__block block;
@@ -267,9 +273,7 @@ static void count_hidden(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
         return;
     ntp__kernels(NTP__CPU_ALL)->survey(&survey, block.c[0], block.c[1], block.c[2], hidden);
     add_planes(t, &survey);
-    /* Runs of one color are judged once, and so is what is of 8 bit. */
-    const bool one = survey.least[0] == survey.greatest[0] && survey.least[1] == survey.greatest[1];
-    const int32_t left = one ? hidden : wait_hidden(t, w, &block, hidden);
+    const int32_t left = wait_hidden(t, w, &block, hidden);
     if (left == 0)
         return;
     memset(block.c[3], 0, sizeof block.c[3]);
@@ -290,12 +294,12 @@ static void count_rgba16(ntp_tally *t, waiting *w, const ntp_const_image *src, i
     if (w->clear || found.clear > 0)
         found = take_used(rgb, p, n, touched);
     w->clear = found.clear > 0;
-    const int32_t opaque = found.opaque;
     t->wide_alpha_ends[0] += (uint32_t) found.clear;
-    t->wide_alpha_ends[1] += (uint32_t) opaque;
-    if (opaque + found.clear == n) {
+    if (found.every == M) {
+        const int32_t opaque = n - found.clear;
         t->alpha[255] += (uint32_t) opaque;
         t->alpha[0] += (uint32_t) found.clear;
+        t->wide_alpha_ends[1] += (uint32_t) opaque;
         t->alpha_levels.sum += (uint64_t) (uint32_t) opaque * M;
         ntp__merge_max(&t->alpha_levels.max, opaque > 0 ? M : 0);
         ntp__merge_max(&t->alpha_levels.inverted_min, ~(found.clear > 0 ? 0U : M));
@@ -312,6 +316,6 @@ static void count_rgba16(ntp_tally *t, waiting *w, const ntp_const_image *src, i
         t->black += (uint32_t) found.clear;
         return;
     }
-    for (int32_t i = 0; i < n; i += NTP__BLOCK)
-        count_hidden(t, w, p + 4 * i, n - i < NTP__BLOCK ? n - i : NTP__BLOCK);
+    for (int32_t i = 0; i < n; i += HIDDEN)
+        count_hidden(t, w, p + 4 * i, n - i < HIDDEN ? n - i : HIDDEN);
 }

@@ -23,7 +23,8 @@ typedef struct kinds16 {
 } kinds16;
 
 /* Works on whole lanes: the planes change beyond n. */
-ONE_COPY static void find_kinds(kinds16 *restrict k, ntp__block *restrict block, int32_t n, uint32_t touched)
+ONE_COPY static void find_kinds(kinds16 *restrict k, ntp__block *restrict block, int32_t n,
+                                uint32_t touched)
 {
     const int32_t black = touched & NTP_UNUSED_BLACK ? -1 : 0,
                   white = touched & NTP_UNUSED_WHITE ? -1 : 65535;

@@ -98,8 +98,8 @@ struct ntp_tally {
     /* Well-formed textures need nothing from here on, so these pages stay untouched. */
     uint8_t wide_flat_seen[4 * 8192]; /* a bit for each blue of the four flat pairs */
     uint64_t pair_blue[65536];
-    ntp__sums transparent_narrow; /* judged at 8 bit */
-    ntp__far_counts far;          /* texels of `wide`, as those in `close` */
+    ntp__sums transparent_narrow;   /* judged at 8 bit */
+    ntp__far_counts far;            /* texels of `wide`, as those in `close` */
     ntp__close_counts close_hidden; /* of transparent_wide, if hidden is set */
     ntp__far_counts far_hidden;
 };
