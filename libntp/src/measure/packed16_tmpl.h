@@ -18,11 +18,16 @@ typedef struct waiting {
     packed_counts narrow; /* also counts alpha, of 16 bit rounded to 8 */
 } waiting;
 
-enum { NOISE = 7, FEW_LEFT16 = 32, HIDDEN = NTP__BLOCK - FEW_LEFT16, RGBA_AT_ONCE = 4 * NTP__BLOCK };
+enum {
+    NOISE = 7,
+    FEW_LEFT16 = 32,
+    HIDDEN = NTP__BLOCK - FEW_LEFT16,
+    RGBA_AT_ONCE = 4 * NTP__BLOCK
+};
 
 /* Returns how many stay, at the front: too few to be judged together, but for the `last` time. */
-static int32_t count_or_keep(ntp__sums *sums, ntp__close_counts *close, ntp__far_counts *far,
-                             ntp__block *block, int32_t n, bool last)
+ONE_COPY static int32_t count_or_keep(ntp__sums *sums, ntp__close_counts *close,
+                                      ntp__far_counts *far, ntp__block *block, int32_t n, bool last)
 {
     n = ntp__take_close_block(sums, close, far, block, n);
     if (n < FEW_LEFT16 && !last)
@@ -200,7 +205,7 @@ static alpha16 take_used(uint16_t *rgb, const uint16_t *p, int32_t n, int32_t to
     return found;
 }
 
-static void end_hidden(ntp_tally *t, waiting *w, bool last)
+ONE_COPY static void end_hidden(ntp_tally *t, waiting *w, bool last)
 {
     t->hidden |= w->n_hidden > 0;
     w->n_hidden = count_or_keep(&t->transparent_wide, &t->close_hidden, &t->far_hidden, &w->hidden,
