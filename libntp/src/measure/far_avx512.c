@@ -381,6 +381,7 @@ static int32_t add_far(ntp__sums *sums, ntp__far_counts *far, ntp__survey *found
     far_texels f;
     int32_t left = 0, i = 0;
     begin(&f);
+    /* There is room for all texels of a step as others.  Steps that are too short would gain nothing. */
     for (int32_t room = STEP; i < *n && room >= STEP / 4;) {
         const int32_t last = *n - i < room ? *n : i + room;
         f.n = f.negative = f.too_long = f.padding = 0;

@@ -6,7 +6,7 @@
  * Colors of 8 bit are only counted on the way, and judged when the facts are asked for.  Other
  * colors are judged at once and added to `wide`.
  *   measure.c        the pass over the texels; packed8_tmpl.h and packed16_tmpl.h are its
- *                    parts for packed RGB
+ *                    parts for packed RGB, split16_tmpl.h tells texels of 16 bit apart
  *   color_counts.h   how often each color of 8 bit occurs: the cells
  *   judged_sums.h    what judged texels add up to: verdicts, lengths, angles
  *   dense_row_avx2.h the same for rows of cells of which many hold counts
