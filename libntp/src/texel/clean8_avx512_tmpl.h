@@ -58,7 +58,8 @@ static ALWAYS_INLINE int32_t append_colors(uint32_t *to, texels t, __mmask32 whi
     return found;
 }
 
-/* Cleans n colors by the table, and keeps the byte above them.  Returns how many changed. */
+/* Cleans n colors, whose pairs are too long, by the table, and keeps the byte above them.  Returns how many
+ * changed: all that are used. */
 static uint64_t look_up(uint32_t *color, int32_t n, const uint32_t *table, uint32_t touch_unused)
 {
     const __m512i rgb = _mm512_set1_epi32(0xffffff);
@@ -77,7 +78,7 @@ static uint64_t look_up(uint32_t *color, int32_t n, const uint32_t *table, uint3
         __m512i to = _mm512_and_si512(_mm512_i32gather_epi32(pair, table, 4), rgb);
         to = _mm512_or_si512(to, _mm512_andnot_si512(rgb, v));
         to = _mm512_mask_mov_epi32(to, stay, v);
-        changed += __builtin_popcount(_mm512_mask_cmpneq_epi32_mask(some, to, v));
+        changed += __builtin_popcount(some & ~stay);
         _mm512_storeu_si512(color + i, to);
     }
     return (uint64_t) changed;
@@ -128,27 +129,28 @@ static ALWAYS_INLINE int32_t derive_8(uint8_t *d, const uint8_t *s, int32_t n, u
             same = (longs | _mm512_cmpgt_epu16_mask(off, _mm512_add_epi16(z, z))) == 0;
         }
         if (!same) {
-            __m512i blues = blues_of(e);
             if (longs != 0) {
                 /* the next block: while many colors are looked up, none of it is fetched by itself */
                 for (int k = 0; found > LANES_512 && k < 3 * STEP_8; k += LOW_8) {
                     _mm_prefetch((const char *) (s + 3 * AT_ONCE + k), _MM_HINT_T0);
                     _mm_prefetch((const char *) (d + 3 * AT_ONCE + k), _MM_HINT_T0);
                 }
-                const __m512i was = _mm512_castsi256_si512(_mm512_cvtepi16_epi8(t.b));
-                blues = _mm512_mask_mov_epi8(blues, longs, was);
                 which[i / STEP_8] = longs;
                 found += append_colors(left + found, t, longs);
             }
-            const __m512i v_now = with_blues(v, low, 0, blues);
-            const __m512i w_now = with_blues(w, high, LOW_8 / 3, blues);
-            const uint64_t others = _mm512_cmpneq_epi8_mask(v_now, v);
-            const uint64_t more = _mm512_cmpneq_epi8_mask(w_now, w);
-            *changed +=
-                (uint64_t) __builtin_popcountll(others) + (uint64_t) __builtin_popcountll(more);
-            same = (others | more | longs) == 0;
-            v = v_now;
-            w = w_now;
+            if (longs != ~0U) {
+                const __m512i was = _mm512_castsi256_si512(_mm512_cvtepi16_epi8(t.b));
+                const __m512i blues = _mm512_mask_mov_epi8(blues_of(e), longs, was);
+                const __m512i v_now = with_blues(v, low, 0, blues);
+                const __m512i w_now = with_blues(w, high, LOW_8 / 3, blues);
+                const uint64_t others = _mm512_cmpneq_epi8_mask(v_now, v);
+                const uint64_t more = _mm512_cmpneq_epi8_mask(w_now, w);
+                *changed +=
+                    (uint64_t) __builtin_popcountll(others) + (uint64_t) __builtin_popcountll(more);
+                same = (others | more | longs) == 0;
+                v = v_now;
+                w = w_now;
+            }
         }
         _mm512_storeu_si512(d, v);
         _mm256_storeu_si256((void *) (d + LOW_8), _mm512_castsi512_si256(w));

@@ -110,41 +110,42 @@ static inline __m256i unused_colors(__m256i v, uint32_t touch_unused)
                            _mm256_and_si256(_mm256_cmpeq_epi32(c, color), white));
 }
 
-/* Puts the blues into 16 pixels with alpha.  Those that are to be done otherwise stay as they are: their pair
- * is too long, or their alpha 0 if `opaque` has all bits set.  Returns a bit for each of these, but unused ones of
- * black or white. */
+/* Puts the blues into 16 pixels with alpha.  Those whose pair is too long stay as they are, and those whose alpha
+ * is 0 if `opaque` has all bits set.  Returns a bit for each of the former that is used. */
 static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t opaque,
                                       uint32_t touch_unused, uint64_t *changed)
 {
     const __m256i zero = _mm256_setzero_si256(), all = _mm256_set1_epi32((int32_t) opaque);
     const __m256i shuffle = _mm256_broadcastsi128_si256(
         _mm_setr_epi8(0, 1, 4, 5, 8, 9, 12, 13, -1, -1, -1, -1, -1, -1, -1, -1));
-    __m256i v[2], pairs[2], left[2], same[2];
+    __m256i v[2], pairs[2], unused[2], left[2], same[2];
+    UNROLLED
     for (int i = 0; i < 2; i++) {
         v[i] = _mm256_loadu_si256((const __m256i *) (const void *) (src + 32 * i));
         pairs[i] = _mm256_shuffle_epi8(v[i], shuffle);
-        left[i] = _mm256_and_si256(_mm256_cmpeq_epi32(_mm256_srli_epi32(v[i], 24), zero), all);
+        unused[i] = _mm256_and_si256(_mm256_cmpeq_epi32(_mm256_srli_epi32(v[i], 24), zero), all);
     }
     const __m256i e = rest_words(_mm256_unpacklo_epi64(pairs[0], pairs[1])), t = blue_words(e);
-    left[0] = _mm256_or_si256(left[0], _mm256_unpacklo_epi16(e, e)); /* their high bits */
-    left[1] = _mm256_or_si256(left[1], _mm256_unpackhi_epi16(e, e));
-    const uint32_t bits = negatives(left[0], left[1]);
+    left[0] = _mm256_or_si256(unused[0], _mm256_unpacklo_epi16(e, e)); /* their high bits */
+    left[1] = _mm256_or_si256(unused[1], _mm256_unpackhi_epi16(e, e));
+    uint32_t bits = negatives(left[0], left[1]);
+    UNROLLED
     for (int i = 0; i < 2; i++) {
         const __m256i blues =
             i == 0 ? _mm256_unpacklo_epi16(zero, t) : _mm256_unpackhi_epi16(zero, t);
         const __m256i rest = _mm256_andnot_si256(_mm256_set1_epi32(0xff0000), v[i]);
         const __m256i blue = _mm256_and_si256(blues, _mm256_set1_epi32(0xff0000));
         __m256i now = _mm256_or_si256(rest, blue);
-        if (bits != 0)
+        if (bits != 0) {
             now = _mm256_castps_si256(_mm256_blendv_ps(
                 _mm256_castsi256_ps(now), _mm256_castsi256_ps(v[i]), _mm256_castsi256_ps(left[i])));
+            unused[i] = _mm256_or_si256(unused[i], unused_colors(v[i], touch_unused));
+        }
         same[i] = _mm256_cmpeq_epi32(now, v[i]);
         _mm256_storeu_si256((__m256i *) (void *) (dst + 32 * i), now);
     }
     *changed += (uint64_t) __builtin_popcount(negatives(same[0], same[1]) ^ 0xffff);
-    return any_corner(e) ? bits & ~negatives(unused_colors(v[0], touch_unused),
-                                             unused_colors(v[1], touch_unused))
-                         : bits;
+    return bits == 0 ? 0 : bits & ~negatives(unused[0], unused[1]);
 }
 
 enum { DERIVED = 2 * NTP__KERNEL_STEP /* pixels a step */, MOST = 512 };
@@ -300,19 +301,14 @@ static inline void derive_others(uint8_t *dst, const uint8_t *src, int32_t n, co
         found += find_sixteen(at + found, i, bits & 0xffff);
         found += find_sixteen(at + found, i + 16, bits >> 16);
     }
-    uint64_t sum = sum_of_four(others);
-    for (int32_t k = 0; k < found; k++) {
+    for (int32_t k = 0; k < found; k++) { /* each changes, as its pair does */
         uint8_t *const p = dst + 3 * at[k];
-        const uint32_t v = load24le(p);
-        const uint32_t t = clean_one(v, table, 0, touch_unused);
-        if (t == v)
-            continue;
-        sum++;
+        const uint32_t t = table[load16le(p)];
         memcpy(p, &t, 2);
         p[2] = (uint8_t) (t >> 16);
     }
     if (changed != NULL)
-        *changed += sum;
+        *changed += sum_of_four(others) + (uint64_t) found;
 }
 #else
 #  define derive_rgb8 NULL

@@ -24,27 +24,100 @@ static inline void put_blues16(uint16_t *dst, __m256i low, __m256i high, __m256i
 
 enum { STEP_16 = 8 };
 
+/* Pairs of a block that are too long, in whole steps; what |X| and |Y| become, halved, in units of 2^-16; and
+ * blues, negative where the pair is in doubt. */
+typedef struct many_long {
+    int32_t rg[256 + STEP_16], unit[2][256 + STEP_16], blue[256 + STEP_16];
+} many_long;
+
+static inline __m128i four_of(__m256i v, int k)
+{
+    return k == 0 ? _mm256_castsi256_si128(v) : _mm256_extracti128_si256(v, 1);
+}
+
+/* Sizes (|X| - 1)/2, and words of ones where X is negative. */
+static inline __m256i load_sizes(const int32_t *rg, __m256i *sign)
+{
+    const __m256i p = _mm256_xor_si256(load_plane(rg), _mm256_set1_epi16(-32768));
+    *sign = _mm256_srai_epi16(p, 15);
+    return _mm256_xor_si256(p, *sign);
+}
+
+/* What eight |X| and |Y| become.  The squares of X and Y have the sum 4w + 2.  As in normalize16_tmpl.h a float of
+ * 1/sqrt(w + 1/2) is off by at most 3u, and a unit by less than 2^-9 after the step of Newton. */
+static inline void shorten_eight(many_long *to, int32_t i)
+{
+    const double half = 65535 * 65536.0 / 8; /* M/4 in units, and half of the step */
+    const __m256i one = _mm256_set1_epi32(1);
+    __m256i sign;
+    const __m256i q = load_sizes(to->rg + i, &sign), w = sum_of_pair(q);
+    const __m256i twice = _mm256_add_epi16(q, q);
+    const __m256i size[2] = {
+        _mm256_or_si256(_mm256_and_si256(twice, _mm256_set1_epi32(0xffff)), one),
+        _mm256_or_si256(_mm256_srli_epi32(twice, 16), one)
+    };
+    const __m256 root =
+        _mm256_sqrt_ps(_mm256_add_ps(_mm256_cvtepi32_ps(w), _mm256_set1_ps(0.5F)));
+    const __m256 over = _mm256_div_ps(_mm256_set1_ps(1), root);
+    UNROLLED
+    for (int k = 0; k < 2; k++) {
+        const __m256d r = _mm256_cvtps_pd(k == 0 ? _mm256_castps256_ps128(over)
+                                                 : _mm256_extractf128_ps(over, 1));
+        const __m256d square =
+            _mm256_add_pd(_mm256_cvtepi32_pd(four_of(w, k)), _mm256_set1_pd(0.5));
+        const __m256d rest =
+            _mm256_sub_pd(_mm256_set1_pd(3), _mm256_mul_pd(square, _mm256_mul_pd(r, r)));
+        const __m256d factor = _mm256_mul_pd(_mm256_mul_pd(r, _mm256_set1_pd(half)), rest);
+        UNROLLED
+        for (int c = 0; c < 2; c++) {
+            const __m256d v = _mm256_mul_pd(_mm256_cvtepi32_pd(four_of(size[c], k)), factor);
+            _mm_storeu_si128((__m128i *) (void *) (to->unit[c] + i + 4 * k), _mm256_cvtpd_epi32(v));
+        }
+    }
+}
+
+/* Pulls them as pull() in judge_tmpl.h, and derives their blues.  Whole units are the nearest, so a pair is in doubt
+ * where they are a whole size; but all become less than they were. */
+static inline void pull_eight(many_long *to, int32_t i, bool zzero)
+{
+    const __m256i half = _mm256_set1_epi32(32768), last = _mm256_set1_epi32(65535);
+    __m256i sign;
+    const __m256i q = load_sizes(to->rg + i, &sign), zero = _mm256_setzero_si256();
+    const __m256i u = _mm256_min_epu32(_mm256_add_epi32(load_plane(to->unit[0] + i), half),
+                                       _mm256_or_si256(_mm256_slli_epi32(q, 16), last));
+    const __m256i v = _mm256_min_epu32(_mm256_add_epi32(load_plane(to->unit[1] + i), half),
+                                       _mm256_or_si256(q, last));
+    const __m256i size =
+        onto_disc(_mm256_blend_epi16(_mm256_srli_epi32(u, 16), v, 0xaa), q, true);
+    const __m256i rg =
+        _mm256_xor_si256(size, _mm256_xor_si256(sign, _mm256_set1_epi16(-32768)));
+    const __m256i doubt = _mm256_or_si256(_mm256_cmpeq_epi32(_mm256_and_si256(u, last), zero),
+                                          _mm256_cmpeq_epi32(_mm256_and_si256(v, last), zero));
+    const __m256i e = rest_of(rg, true), b = blue_of(e, root_of(e, true), true, zzero);
+    store_plane(to->rg + i, rg);
+    store_plane(to->blue + i, _mm256_or_si256(b, doubt));
+}
+
 /* Pulls n of a block's pixels, in place; returns how many are in doubt and stay as they are: at[0] and so on. */
 ONE_COPY static int32_t pull_pixels(uint16_t *d, int32_t *at, int32_t n, int32_t zzero)
 {
-    int32_t c[3][256 + LANES], doubt[256 + LANES], left = 0;
-    memset(c[0] + n, 0, LANES * sizeof c[0][0]);
-    memset(c[1] + n, 0, LANES * sizeof c[1][0]);
-    for (int32_t i = 0; i < n; i++) {
-        c[0][i] = d[3 * at[i]];
-        c[1][i] = d[3 * at[i] + 1];
-    }
-    pull(c[0], c[1], doubt, n, 65535);
-    derive(c[2], c[0], c[1], n, 65535, zzero);
+    many_long v;
+    int32_t left = 0;
+    for (int32_t i = 0; i < n; i++)
+        memcpy(&v.rg[i], d + 3 * at[i], sizeof v.rg[i]);
+    store_plane(v.rg + n, _mm256_setzero_si256());
+    for (int32_t i = 0; i < n; i += STEP_16)
+        shorten_eight(&v, i);
+    for (int32_t i = 0; i < n; i += STEP_16)
+        pull_eight(&v, i, zzero != 0);
     for (int32_t i = 0; i < n; i++) {
         uint16_t *const to = d + 3 * at[i];
-        if (doubt[i]) {
+        if (v.blue[i] < 0) {
             at[left++] = at[i];
             continue;
         }
-        to[0] = (uint16_t) c[0][i];
-        to[1] = (uint16_t) c[1][i];
-        to[2] = (uint16_t) c[2][i];
+        memcpy(to, &v.rg[i], sizeof v.rg[i]);
+        to[2] = (uint16_t) v.blue[i];
     }
     return left;
 }

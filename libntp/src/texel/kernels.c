@@ -237,14 +237,13 @@ static uint64_t derive_rgba8(uint8_t *dst, const uint8_t *src, int32_t n, const 
             find_sixteen(at + found, i,
                          put_blues_rgba(dst + 4 * i, src + 4 * i, opaque, touch_unused, &changed));
     }
-    for (int32_t k = 0; k < found; k++) {
+    for (int32_t k = 0; k < found; k++) { /* each changes, as its pair does */
         uint8_t *const p = dst + 4 * at[k];
-        const uint32_t v = load32le(p), t = clean_one_rgba8(v, table, 0, touch_unused);
-        changed += t != v;
-        store32le(p, t);
+        const uint32_t v = load32le(p), t = table[v & 0xffff];
+        store32le(p, (t & RGB) | (v & ~(uint32_t) RGB));
     }
     *left = found;
-    return changed;
+    return changed + (uint64_t) found;
 }
 #endif
 

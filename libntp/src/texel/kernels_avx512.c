@@ -68,22 +68,18 @@ static ALWAYS_INLINE __m512i size_of(__m512i v, bool deep)
     return _mm512_and_si512(v, deep ? _mm512_set1_epi64(INT64_MAX) : _mm512_set1_epi32(INT32_MAX));
 }
 
+/* v, but w in these. */
+static ALWAYS_INLINE __m512i with_those(__m512i v, uint32_t mask, __m512i w, bool deep)
+{
+    return deep ? _mm512_mask_mov_epi64(v, (__mmask8) mask, w)
+                : _mm512_mask_mov_epi32(v, (__mmask16) mask, w);
+}
+
 static ALWAYS_INLINE uint32_t is_below(__m512i a, __m512i b, bool deep)
 {
     if (deep)
         return _mm512_cmp_pd_mask(_mm512_castsi512_pd(a), _mm512_castsi512_pd(b), _CMP_LT_OQ);
     return _mm512_cmp_ps_mask(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b), _CMP_LT_OQ);
-}
-
-/* a b + c, or 0 */
-static ALWAYS_INLINE __m512i fused_where(uint32_t mask, __m512i a, __m512i b, __m512i c, bool deep)
-{
-    if (deep)
-        return _mm512_castpd_si512(_mm512_maskz_fmadd_pd((__mmask8) mask, _mm512_castsi512_pd(a),
-                                                         _mm512_castsi512_pd(b),
-                                                         _mm512_castsi512_pd(c)));
-    return _mm512_castps_si512(_mm512_maskz_fmadd_ps(
-        (__mmask16) mask, _mm512_castsi512_ps(a), _mm512_castsi512_ps(b), _mm512_castsi512_ps(c)));
 }
 
 static ALWAYS_INLINE __m512i inverse_root(__m512i v, bool deep)
@@ -140,13 +136,18 @@ static ALWAYS_INLINE ends ends_of(uint32_t touch_unused, bool deep)
                     touch_unused & NTP_UNUSED_WHITE ? 2 * sum : sum };
 }
 
-/* Factors that make halves of numerators those of unit vectors.  1 for texels that are rounded already,
- * and 0 for corners of the cube, which so are in doubt. */
-static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], bool deep)
+/* Which texels are unused for being black or white? */
+static ALWAYS_INLINE uint32_t unused_of(__m512i x, __m512i y, __m512i z, ends end, bool deep)
+{
+    const __m512i sum = sum_of(sum_of(x, y, deep), z, deep);
+    return (is_below(of(end.black, deep), sum, deep) & is_below(sum, of(end.white, deep), deep)) ^
+           (deep ? 0xff : 0xffff);
+}
+
+/* Factors that make halves of numerators those of unit vectors.  1 for texels that are rounded already. */
+static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], __m512i squares, bool deep)
 {
     const double m = deep ? 65535 : 255;
-    const __m512i squares =
-        fused(x[2], x[2], fused(x[1], x[1], times(x[0], x[0], deep), deep), deep);
     const __m512i sizes =
         sum_of(sum_of(size_of(x[0], deep), size_of(x[1], deep), deep), x[2], deep);
     const __m512i off = size_of(sum_of(squares, of((2 - m * m) / 4, deep), deep), deep);
@@ -155,11 +156,9 @@ static ALWAYS_INLINE __m512i factors_of(const __m512i x[3], bool deep)
     const __m512i by =
         deep ? fused(minus_e, of(0.375, deep), of(-0.5, deep), deep) : of(-0.5, deep);
     const __m512i scaled = times(y, of(m / 2, deep), deep);
-    const uint32_t inside = is_below(squares, of(3 * m * m / 4, deep), deep);
     const uint32_t rounded = is_below(off, sum_of(sizes, half, deep), deep);
-    const __m512i factor = fused_where(inside, times(scaled, minus_e, deep), by, scaled, deep);
-    return deep ? _mm512_mask_mov_epi64(factor, (__mmask8) rounded, of(1, deep))
-                : _mm512_mask_mov_epi32(factor, (__mmask16) rounded, of(1, deep));
+    const __m512i factor = fused(times(scaled, minus_e, deep), by, scaled, deep);
+    return with_those(factor, rounded, of(1, deep), deep);
 }
 
 static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t n,
@@ -168,17 +167,30 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
 {
     const ends end = ends_of(touch_unused, deep);
     const int32_t at_once = STEP_BYTES / (deep ? 6 : 3);
-    const double unit = deep ? 0x1p-16 : 0x1p-15;
+    const double unit = deep ? 0x1p-16 : 0x1p-15, m = deep ? 65535 : 255;
     const __m512i base = of((deep ? 0x1p36 + 32768 : 0x1p8 + 128) + unit, deep);
     const __m512i red = places_of(0, deep), green = places_of(1, deep), blue = places_of(2, deep);
     int32_t found = 0;
     uint64_t sum = 0;
+    /* Only corners of the cube can be unused.  Where there is one there mostly are more, and a branch for each
+     * step would be taken at random. */
+    bool corners = false;
     for (int32_t i = 0; i < n; i += at_once, s += STEP_BYTES, d += STEP_BYTES) {
         const __m512i v = load_48(s);
         __m512i x[3] = { halves_of(v, red, deep), halves_of(v, green, deep),
                          halves_of(v, blue, deep) };
-        x[2] = size_of(x[2], deep);
-        const __m512i factor = factors_of(x, deep);
+        const __m512i squares =
+            fused(x[2], x[2], fused(x[1], x[1], times(x[0], x[0], deep), deep), deep);
+        corners = corners ||
+                  is_below(squares, of(3 * m * m / 4, deep), deep) != (deep ? 0xff : 0xffff);
+        const __m512i was = x[2];
+        x[2] = size_of(was, deep);
+        __m512i factor = factors_of(x, squares, deep);
+        if (corners) {
+            const uint32_t stay = unused_of(x[0], x[1], was, end, deep);
+            x[2] = with_those(x[2], stay, was, deep);
+            factor = with_those(factor, stay, of(1, deep), deep);
+        }
         for (int k = 0; k < 3; k++) {
             x[k] = fused(x[k], factor, base, deep);
             x[k] = deep ? x[k] : _mm512_slli_epi32(x[k], 1);
@@ -191,13 +203,8 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
             /* all bits where a level is taken from */
             const __m512i marks = _mm512_maskz_set1_epi16(left << 1, -1);
             const __m512i those = packed_levels(marks, marks, marks, deep);
-            const __m512i all =
-                sum_of(sum_of(halves_of(v, red, deep), halves_of(v, green, deep), deep),
-                       halves_of(v, blue, deep), deep);
-            const uint32_t used =
-                is_below(of(end.black, deep), all, deep) & is_below(all, of(end.white, deep), deep);
-            const uint32_t doubt = used & (deep ? _mm512_test_epi64_mask(marks, marks)
-                                                : _mm512_test_epi32_mask(marks, marks));
+            const uint32_t doubt = deep ? _mm512_test_epi64_mask(marks, marks)
+                                        : _mm512_test_epi32_mask(marks, marks);
             const __m512i places = _mm512_maskz_compress_epi32((__mmask16) doubt, steps_of(1, i));
             now = _mm512_mask_mov_epi8(now, _mm512_movepi8_mask(those), v);
             /* No more than i places are known yet, as below. */
@@ -263,11 +270,16 @@ int32_t ntp__derive_rgb16_avx512(uint16_t *dst, const uint16_t *src, int32_t n, 
     int32_t found = 0, sum = 0, left = 0;
     for (int32_t i = 0; i < n; i += LANES_512) {
         const texels t = take16((const uint8_t *) (src + 3 * i));
-        const __m512i e = rest_of(t.rg, true), blue = blue_of(e, zzero != 0);
+        const __m512i e = rest_of(t.rg, true);
         const __mmask16 fits = _mm512_cmpge_epi32_mask(e, zero);
         __mmask16 longs = (__mmask16) ~fits;
-        sum += __builtin_popcount(_mm512_mask_cmpneq_epi32_mask(fits, blue, t.b));
-        put16((uint8_t *) (dst + 3 * i), (texels) { t.rg, _mm512_mask_mov_epi32(t.b, fits, blue) });
+        __m512i b = t.b;
+        if (longs != 0xffff) {
+            const __m512i blue = blue_of(e, zzero != 0);
+            sum += __builtin_popcount(_mm512_mask_cmpneq_epi32_mask(fits, blue, b));
+            b = _mm512_mask_mov_epi32(b, fits, blue);
+        }
+        put16((uint8_t *) (dst + 3 * i), (texels) { t.rg, b });
         if (longs != 0) {
             const __mmask16 low = _mm512_mask_cmpeq_epi32_mask(longs, t.rg, zero),
                             high = _mm512_mask_cmpeq_epi32_mask(longs, t.rg, _mm512_set1_epi32(-1));
