@@ -148,7 +148,7 @@ static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t
     return bits == 0 ? 0 : bits & ~negatives(unused[0], unused[1]);
 }
 
-enum { DERIVED = 2 * NTP__KERNEL_STEP /* pixels a step */, MOST = 512 };
+enum { DERIVED = 2 * NTP__KERNEL_STEP /* pixels a step */, MOST = 512, MANY = MOST / 16, LINE = 64 /* bytes */ };
 
 /* v with the bytes of blues that the shuffle takes; N: one that stays. */
 #  define WITH_BLUES(v, blues, ...)                                                                \
@@ -301,6 +301,9 @@ static inline void derive_others(uint8_t *dst, const uint8_t *src, int32_t n, co
         found += find_sixteen(at + found, i, bits & 0xffff);
         found += find_sixteen(at + found, i + 16, bits >> 16);
     }
+    /* the next ones: while many are looked up, a processor does not fetch them by itself */
+    for (int32_t k = 3 * n; found > MANY && k < 6 * n; k += LINE)
+        prefetch(dst + k, src + k);
     for (int32_t k = 0; k < found; k++) { /* each changes, as its pair does */
         uint8_t *const p = dst + 3 * at[k];
         const uint32_t t = table[load16le(p)];

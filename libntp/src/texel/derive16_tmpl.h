@@ -99,15 +99,20 @@ static inline void pull_eight(many_long *to, int32_t i, bool zzero)
 }
 
 /* Pulls n of a block's pixels, in place; returns how many are in doubt and stay as they are: at[0] and so on. */
-ONE_COPY static int32_t pull_pixels(uint16_t *d, int32_t *at, int32_t n, int32_t zzero)
+ONE_COPY static int32_t pull_pixels(uint16_t *d, const uint16_t *src, int32_t *at, int32_t n,
+                                    int32_t zzero)
 {
+    enum { NEXT = 3 * 256 };
     many_long v;
     int32_t left = 0;
     for (int32_t i = 0; i < n; i++)
         memcpy(&v.rg[i], d + 3 * at[i], sizeof v.rg[i]);
     store_plane(v.rg + n, _mm256_setzero_si256());
-    for (int32_t i = 0; i < n; i += STEP_16)
+    for (int32_t i = 0; i < n; i += STEP_16) {
+        /* the next block: while this one is pulled, none of it is fetched by itself */
+        prefetch((const uint8_t *) (d + NEXT + 3 * i), (const uint8_t *) (src + NEXT + 3 * i));
         shorten_eight(&v, i);
+    }
     for (int32_t i = 0; i < n; i += STEP_16)
         pull_eight(&v, i, zzero != 0);
     for (int32_t i = 0; i < n; i++) {
@@ -165,7 +170,7 @@ static int32_t derive_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32
         found += find_four(at + found, i + 4, longs >> 4);
     }
     if (found > 0)
-        left = pull_pixels(dst, at, found, zzero);
+        left = pull_pixels(dst, src, at, found, zzero);
     *changed += others + (uint64_t) (found - left);
     return left;
 }

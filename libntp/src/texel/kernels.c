@@ -226,7 +226,7 @@ static uint64_t derive_rgba8(uint8_t *dst, const uint8_t *src, int32_t n, const 
                              uint32_t touch_unused, int32_t *left)
 {
     const uint32_t opaque = touch_unused & NTP_UNUSED_TRANSPARENT ? 0 : ~0U;
-    enum { NEXT = 4 * MOST /* bytes */, MANY = MOST / 16 };
+    enum { NEXT = 4 * MOST /* bytes */ };
     const bool fetch = *left > MANY;
     int32_t at[MOST + LANES], found = 0;
     uint64_t changed = 0;

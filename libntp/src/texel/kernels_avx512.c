@@ -291,7 +291,7 @@ int32_t ntp__derive_rgb16_avx512(uint16_t *dst, const uint16_t *src, int32_t n, 
         which[i / LANES_512] = longs;
     }
     if (found > 0) {
-        left = pull_pixels(dst, &v, found, which, n, zzero != 0, at);
+        left = pull_pixels(dst, src, &v, found, which, n, zzero != 0, at);
         sum += found - left;
     }
     *changed += (uint64_t) sum;

@@ -66,12 +66,19 @@ static inline void pull_sixteen(many_long *to, int32_t first, bool zzero)
 }
 
 /* Pulls the found pairs of a block, of which pixels have a bit in `which`.  Returns how many are in doubt. */
-static int32_t pull_pixels(uint16_t *dst, many_long *v, int32_t found, const __mmask16 *which,
-                           int32_t n, bool zzero, int32_t *at)
+static int32_t pull_pixels(uint16_t *dst, const uint16_t *src, many_long *v, int32_t found,
+                           const __mmask16 *which, int32_t n, bool zzero, int32_t *at)
 {
+    enum { LINE = 32 /* samples */, AS_MANY = 3 * LANES_512 };
     int32_t left = 0, done = 0;
-    for (int32_t i = 0; i < found; i += LANES_512)
+    for (int32_t i = 0; i < found; i += LANES_512) {
+        /* the next block: while this one is pulled, none of it is fetched by itself */
+        for (int32_t k = 3 * (n + i); k < 3 * (n + i) + AS_MANY; k += LINE) {
+            _mm_prefetch((const char *) (src + k), _MM_HINT_T0);
+            _mm_prefetch((const char *) (dst + k), _MM_HINT_T0);
+        }
         shorten_sixteen(v, i);
+    }
     for (int32_t i = 0; i < found; i += LANES_512)
         pull_sixteen(v, i, zzero);
     for (int32_t i = 0; i < n; i += LANES_512) {
