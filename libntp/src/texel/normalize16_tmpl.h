@@ -62,9 +62,11 @@ static inline __m256i load_plane(const int32_t *plane)
     return _mm256_loadu_si256((const __m256i *) (const void *) plane);
 }
 
-static inline void sum_up(deep_planes *to, const uint8_t *src, int32_t n)
+/* Returns whether a corner of the cube is among them: only these can be unused. */
+static inline bool sum_up(deep_planes *to, const uint8_t *src, int32_t n)
 {
     const __m256i one = _mm256_set1_epi16(1);
+    __m256i most = _mm256_setzero_si256();
     for (int32_t i = 0; i < n; i += 8) {
         const deep_pixels t = take_deep(src + (ptrdiff_t) 6 * i);
         const __m256i size = _mm256_add_epi32(_mm256_madd_epi16(t.pq, one), t.s);
@@ -76,6 +78,7 @@ static inline void sum_up(deep_planes *to, const uint8_t *src, int32_t n)
             _mm256_abs_epi32(_mm256_add_epi32(sum, _mm256_set1_epi32(1 - 32768 * 32767)));
         const __m256 square = _mm256_add_ps(_mm256_cvtepi32_ps(h), _mm256_set1_ps(0.375F));
         const __m256i x = _mm256_add_epi16(_mm256_add_epi16(t.pq, t.pq), one);
+        most = _mm256_max_epu32(most, sum);
         store_plane(to->h + i, h);
         store_plane(to->unit[0] + i, _mm256_and_si256(x, _mm256_set1_epi32(0xffff)));
         store_plane(to->unit[1] + i, _mm256_srli_epi32(x, 16));
@@ -89,6 +92,8 @@ static inline void sum_up(deep_planes *to, const uint8_t *src, int32_t n)
                     _mm256_cmpgt_epi32(_mm256_add_epi32(size, _mm256_set1_epi32(2)), off));
         _mm256_storeu_ps(to->over + i, _mm256_div_ps(_mm256_set1_ps(1), _mm256_sqrt_ps(square)));
     }
+    most = _mm256_cmpeq_epi32(most, _mm256_set1_epi32((int32_t) (3U * 32767 * 32768)));
+    return !_mm256_testz_si256(most, most);
 }
 
 static inline __m256d load_four(const int32_t *plane)
@@ -116,7 +121,7 @@ static inline void divide(deep_planes *to, int32_t n)
 
 /* Eight pixels; see normalize_group.  A bit for each of the result. */
 static inline uint32_t normalize_eight(uint8_t *dst, const deep_planes *planes, int32_t i,
-                                       const unused_blues *ends, __m256i *same)
+                                       const unused_blues *ends, bool corners, __m256i *same)
 {
     const __m256i pq = load_plane(planes->pq + i), s = load_plane(planes->s + i);
     const __m256i b = load_plane(planes->b + i), rounded = load_plane(planes->rounded + i);
@@ -124,7 +129,7 @@ static inline uint32_t normalize_eight(uint8_t *dst, const deep_planes *planes, 
                            load_plane(planes->unit[2] + i) };
     const __m256i sign = load_plane(planes->sign + i);
     const texels was = { _mm256_xor_si256(pq, sign), b };
-    const __m256i unused = unused_of(was, ends);
+    const __m256i unused = corners ? unused_of(was, ends) : _mm256_setzero_si256();
     const __m256i doubt = _mm256_andnot_si256(_mm256_or_si256(rounded, unused), near_levels(u));
     const __m256i keep = _mm256_or_si256(doubt, unused);
     const __m256i to_pq = choose(_mm256_blend_epi16(_mm256_srli_epi32(u[0], 16), u[1], 0xaa), pq,
@@ -146,10 +151,10 @@ static int32_t normalize_rgb16(void *dst, const void *src, int32_t n, uint32_t t
     uint8_t *d = dst;
     const uint8_t *s = src;
     deep_planes planes;
-    sum_up(&planes, s, n);
+    const bool corners = sum_up(&planes, s, n);
     divide(&planes, n);
     for (int32_t i = 0; i < n; i += 8) {
-        uint32_t left = normalize_eight(d + (ptrdiff_t) 6 * i, &planes, i, &ends, &same);
+        uint32_t left = normalize_eight(d + (ptrdiff_t) 6 * i, &planes, i, &ends, corners, &same);
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left);
     }

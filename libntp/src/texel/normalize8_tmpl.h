@@ -57,7 +57,8 @@ typedef struct group8 {
     __m256 factor[2];
 } group8;
 
-static inline group8 look_8(const uint8_t *src)
+/* *most: the greatest sum of products. */
+static inline group8 look_8(const uint8_t *src, __m256i *most)
 {
     const __m256i low = load_two(src, src + 24), high = load_two(src + 8, src + 32);
     const __m256i rg =
@@ -76,6 +77,7 @@ static inline group8 look_8(const uint8_t *src)
                  .s = s,
                  .b = b,
                  .rounded = _mm256_cmpgt_epi16(_mm256_add_epi16(ks, _mm256_set1_epi16(2)), off) };
+    *most = _mm256_max_epu16(*most, sum);
     to_floats(g.factor, sum);
     for (int k = 0; k < 2; k++)
         g.factor[k] =
@@ -87,7 +89,7 @@ static inline group8 look_8(const uint8_t *src)
 /* Blue mirrored.  Unused ones stay as they are, and those of the result, which are in doubt: a bit in both
  * bytes of each.  `same` counts what is not changed, less than 0. */
 static inline uint32_t normalize_group(uint8_t *dst, const group8 *g, const unused_blues *ends,
-                                       __m256i *same)
+                                       bool corners, __m256i *same)
 {
     const __m256i pq = g->pq, s = g->s, b = g->b, rounded = g->rounded;
     const __m256i middle = _mm256_set1_epi16(128);
@@ -96,11 +98,13 @@ static inline uint32_t normalize_group(uint8_t *dst, const group8 *g, const unus
     const __m256i q = over_length(_mm256_srli_epi16(pq, 8), g->factor, &doubt);
     const __m256i t = over_length(s, g->factor, &doubt);
     const __m256i rg = _mm256_xor_si256(pq, g->sign), zero = _mm256_setzero_si256();
-    const __m256i unused = _mm256_or_si256(
-        _mm256_and_si256(_mm256_cmpeq_epi16(rg, zero),
-                         _mm256_cmpeq_epi16(b, _mm256_set1_epi16((short) ends->black))),
-        _mm256_and_si256(_mm256_cmpeq_epi16(rg, _mm256_set1_epi16(-1)),
-                         _mm256_cmpeq_epi16(b, _mm256_set1_epi16((short) ends->white))));
+    __m256i unused = zero;
+    if (corners)
+        unused = _mm256_or_si256(
+            _mm256_and_si256(_mm256_cmpeq_epi16(rg, zero),
+                             _mm256_cmpeq_epi16(b, _mm256_set1_epi16((short) ends->black))),
+            _mm256_and_si256(_mm256_cmpeq_epi16(rg, _mm256_set1_epi16(-1)),
+                             _mm256_cmpeq_epi16(b, _mm256_set1_epi16((short) ends->white))));
     doubt = _mm256_andnot_si256(_mm256_or_si256(rounded, unused), doubt);
     const __m256i keep = _mm256_or_si256(doubt, unused);
     const __m256i to_pq = _mm256_blendv_epi8(_mm256_or_si256(p, _mm256_slli_epi16(q, 8)), pq,
@@ -117,16 +121,20 @@ static int32_t normalize_rgb8(void *dst, const void *src, int32_t n, uint32_t to
                               int32_t *at, uint64_t *changed)
 {
     const unused_blues ends = blues_of_unused(255, touch_unused);
-    __m256i same = _mm256_setzero_si256();
+    __m256i same = _mm256_setzero_si256(), most = same;
     group8 groups[MOST_8 / GROUP_8];
     int16_t each[16];
     int32_t found = 0;
     for (int32_t i = 0; i < n; i += GROUP_8)
-        groups[i / GROUP_8] = look_8((const uint8_t *) src + (ptrdiff_t) 3 * i);
+        groups[i / GROUP_8] = look_8((const uint8_t *) src + (ptrdiff_t) 3 * i, &most);
+    /* only corners of the cube can be unused */
+    most = _mm256_cmpeq_epi16(most, _mm256_set1_epi16((short) (3 * 127 * 128)));
+    const bool corners = !_mm256_testz_si256(most, most);
     for (int32_t i = 0; i < n; i += GROUP_8) {
         const group8 *g = groups + i / GROUP_8;
         uint32_t left =
-            normalize_group((uint8_t *) dst + (ptrdiff_t) 3 * i, g, &ends, &same) & 0x55555555;
+            normalize_group((uint8_t *) dst + (ptrdiff_t) 3 * i, g, &ends, corners, &same) &
+            0x55555555;
         for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left) / 2;
     }
