@@ -141,8 +141,8 @@ static ALWAYS_INLINE int32_t derive_8(uint8_t *d, const uint8_t *s, int32_t n, u
             if (longs != ~0U) {
                 __m512i blues = blues_of(e);
                 if (longs != 0)
-                    blues = _mm512_mask_mov_epi8(
-                        blues, longs, _mm512_castsi256_si512(_mm512_cvtepi16_epi8(t.b)));
+                    blues = _mm512_mask_mov_epi8(blues, longs,
+                                                 _mm512_castsi256_si512(_mm512_cvtepi16_epi8(t.b)));
                 const __m512i v_now = with_blues(v, low, 0, blues);
                 const __m512i w_now = with_blues(w, high, LOW_8 / 3, blues);
                 const uint64_t others = _mm512_cmpneq_epi8_mask(v_now, v);

@@ -148,7 +148,12 @@ static inline uint32_t put_blues_rgba(uint8_t *dst, const uint8_t *src, uint32_t
     return bits == 0 ? 0 : bits & ~negatives(unused[0], unused[1]);
 }
 
-enum { DERIVED = 2 * NTP__KERNEL_STEP /* pixels a step */, MOST = 512, MANY = MOST / 16, LINE = 64 /* bytes */ };
+enum {
+    DERIVED = 2 * NTP__KERNEL_STEP /* pixels a step */,
+    MOST = 512,
+    MANY = MOST / 16,
+    LINE = 64 /* bytes */
+};
 
 /* v with the bytes of blues that the shuffle takes; N: one that stays. */
 #  define WITH_BLUES(v, blues, ...)                                                                \

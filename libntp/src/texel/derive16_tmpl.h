@@ -52,17 +52,15 @@ static inline void shorten_eight(many_long *to, int32_t i)
     __m256i sign;
     const __m256i q = load_sizes(to->rg + i, &sign), w = sum_of_pair(q);
     const __m256i twice = _mm256_add_epi16(q, q);
-    const __m256i size[2] = {
-        _mm256_or_si256(_mm256_and_si256(twice, _mm256_set1_epi32(0xffff)), one),
-        _mm256_or_si256(_mm256_srli_epi32(twice, 16), one)
-    };
-    const __m256 root =
-        _mm256_sqrt_ps(_mm256_add_ps(_mm256_cvtepi32_ps(w), _mm256_set1_ps(0.5F)));
+    const __m256i size[2] = { _mm256_or_si256(_mm256_and_si256(twice, _mm256_set1_epi32(0xffff)),
+                                              one),
+                              _mm256_or_si256(_mm256_srli_epi32(twice, 16), one) };
+    const __m256 root = _mm256_sqrt_ps(_mm256_add_ps(_mm256_cvtepi32_ps(w), _mm256_set1_ps(0.5F)));
     const __m256 over = _mm256_div_ps(_mm256_set1_ps(1), root);
     UNROLLED
     for (int k = 0; k < 2; k++) {
-        const __m256d r = _mm256_cvtps_pd(k == 0 ? _mm256_castps256_ps128(over)
-                                                 : _mm256_extractf128_ps(over, 1));
+        const __m256d r =
+            _mm256_cvtps_pd(k == 0 ? _mm256_castps256_ps128(over) : _mm256_extractf128_ps(over, 1));
         const __m256d square =
             _mm256_add_pd(_mm256_cvtepi32_pd(four_of(w, k)), _mm256_set1_pd(0.5));
         const __m256d rest =
@@ -87,10 +85,8 @@ static inline void pull_eight(many_long *to, int32_t i, bool zzero)
                                        _mm256_or_si256(_mm256_slli_epi32(q, 16), last));
     const __m256i v = _mm256_min_epu32(_mm256_add_epi32(load_plane(to->unit[1] + i), half),
                                        _mm256_or_si256(q, last));
-    const __m256i size =
-        onto_disc(_mm256_blend_epi16(_mm256_srli_epi32(u, 16), v, 0xaa), q, true);
-    const __m256i rg =
-        _mm256_xor_si256(size, _mm256_xor_si256(sign, _mm256_set1_epi16(-32768)));
+    const __m256i size = onto_disc(_mm256_blend_epi16(_mm256_srli_epi32(u, 16), v, 0xaa), q, true);
+    const __m256i rg = _mm256_xor_si256(size, _mm256_xor_si256(sign, _mm256_set1_epi16(-32768)));
     const __m256i doubt = _mm256_or_si256(_mm256_cmpeq_epi32(_mm256_and_si256(u, last), zero),
                                           _mm256_cmpeq_epi32(_mm256_and_si256(v, last), zero));
     const __m256i e = rest_of(rg, true), b = blue_of(e, root_of(e, true), true, zzero);
@@ -102,7 +98,7 @@ static inline void pull_eight(many_long *to, int32_t i, bool zzero)
 ONE_COPY static int32_t pull_pixels(uint16_t *d, const uint16_t *src, int32_t *at, int32_t n,
                                     int32_t zzero)
 {
-    enum { NEXT = 3 * 256 };
+    enum { NEXT = 3 * 256 /* samples */ };
     many_long v;
     int32_t left = 0;
     for (int32_t i = 0; i < n; i++)

@@ -181,8 +181,8 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
                          halves_of(v, blue, deep) };
         const __m512i squares =
             fused(x[2], x[2], fused(x[1], x[1], times(x[0], x[0], deep), deep), deep);
-        corners = corners ||
-                  is_below(squares, of(3 * m * m / 4, deep), deep) != (deep ? 0xff : 0xffff);
+        corners =
+            corners || is_below(squares, of(3 * m * m / 4, deep), deep) != (deep ? 0xff : 0xffff);
         const __m512i was = x[2];
         x[2] = size_of(was, deep);
         __m512i factor = factors_of(x, squares, deep);
@@ -203,8 +203,8 @@ static ALWAYS_INLINE int32_t normalize_rgb(uint8_t *d, const uint8_t *s, int32_t
             /* all bits where a level is taken from */
             const __m512i marks = _mm512_maskz_set1_epi16(left << 1, -1);
             const __m512i those = packed_levels(marks, marks, marks, deep);
-            const uint32_t doubt = deep ? _mm512_test_epi64_mask(marks, marks)
-                                        : _mm512_test_epi32_mask(marks, marks);
+            const uint32_t doubt =
+                deep ? _mm512_test_epi64_mask(marks, marks) : _mm512_test_epi32_mask(marks, marks);
             const __m512i places = _mm512_maskz_compress_epi32((__mmask16) doubt, steps_of(1, i));
             now = _mm512_mask_mov_epi8(now, _mm512_movepi8_mask(those), v);
             /* No more than i places are known yet, as below. */
