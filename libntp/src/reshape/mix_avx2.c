@@ -229,29 +229,14 @@ ONE_COPY static uint32_t keep_base(texels *t, const planes *p, int32_t i, const 
     return (uint32_t) _mm256_movemask_ps(_mm256_castsi256_ps(kept));
 }
 
-static ALWAYS_INLINE __m256i rest_of_pair(__m256i pair, const constants *c)
-{
-    return _mm256_sub_epi32(_mm256_set1_epi32(c->deep ? REST_16 : REST_8), sum_of_pair(pair));
-}
-
-/* Pulls those of eight rounded pairs that are too long, whose e is negative: as level.c says, none is more than
- * (1, 1) above the least of the four. */
-static ALWAYS_INLINE __m256i pulled(__m256i pair, __m256i *e, const constants *c)
-{
-    const __m256i sign = _mm256_srai_epi16(pair, 15), q = _mm256_xor_si256(pair, sign);
-    const __m256i to = _mm256_blendv_epi8(q, onto_disc(q, q, c->deep), _mm256_srai_epi32(*e, 31));
-    *e = rest_of_pair(to, c);
-    return _mm256_xor_si256(to, sign);
-}
-
 /* Eight texels with their blue; *bits: those that are left. */
 static ALWAYS_INLINE texels finished(const planes *p, int32_t i, const constants *c, uint32_t *bits)
 {
     const __m256i zero = _mm256_set1_epi32((c->m + 1) / 2);
     __m256i pair = load_ints(p->pair + i);
-    __m256i e = rest_of_pair(pair, c);
+    __m256i e = rest_of_pair(pair, c->deep);
     if (_mm256_movemask_ps(_mm256_castsi256_ps(e)) != 0)
-        pair = pulled(pair, &e, c);
+        pair = pulled(pair, &e, c->deep);
     const __m256i z = _mm256_castps_si256(_mm256_loadu_ps(p->v[2] + i));
     const __m256i down = _mm256_srai_epi32(z, 31);
     const texels t = { _mm256_add_epi16(pair, _mm256_or_si256(zero, _mm256_slli_epi32(zero, 16))),

@@ -8,10 +8,12 @@
  * The bound of directions, where u = 2^-24, E that error, and L the length of the vector.  Quotients
  * x/L are off by (1 + sqrt(3)) E/L at most.  The components are floats.  So the sum of their squares is
  * off by 3u, the root by 2.5u, the factor by 3.5u, and the quotient by 4.5u of itself besides, less than
- * 5u.
+ * 5u.  Components of 8 bit may be exact sums that were rounded once: then each of these is off by u more,
+ * squares by 2u, and x by u, so the quotient is by 6.5u, less than 7u.
  */
+#include "base/inlining.h"
 #include "base/view.h"
-#include "reshape/resize_kernels.h"
+#include "reshape/whole_avx2_tmpl.h"
 #include "texel/packed_avx2_tmpl.h"
 
 #include <string.h>
@@ -21,44 +23,6 @@ enum {
     FOUR = 4,     /* texels */
     EIGHT = 8
 };
-
-/* 16 sums of two numbers */
-static inline __m256i load_both(const float *row, const float *other, int32_t i)
-{
-    const int16_t *a = (const void *) row, *b = (const void *) other;
-    return _mm256_add_epi16(_mm256_loadu_si256((const void *) (a + i)),
-                            _mm256_loadu_si256((const void *) (b + i)));
-}
-
-static inline __m256i two_weights(const int16_t *weight)
-{
-    int32_t two;
-    memcpy(&two, weight, sizeof two);
-    return _mm256_set1_epi32(two);
-}
-
-/* Of both halves of 16 numbers: sums of upper parts of weights, and of lower ones. */
-typedef struct both_parts {
-    __m256i high[2], low[2];
-} both_parts;
-
-/* With n weights; few registers are enough for 16 numbers. */
-static inline both_parts sum_parts(const ntp__whole_weights *from, int32_t n, int32_t i)
-{
-    both_parts p;
-    p.high[0] = p.high[1] = p.low[0] = p.low[1] = _mm256_setzero_si256();
-    for (int32_t t = 0; t < n; t += 2) {
-        const __m256i w = two_weights(from->upper + t), x = two_weights(from->lower + t);
-        const __m256i a = load_both(from->row[t], from->other[t], i);
-        const __m256i b = load_both(from->row[t + 1], from->other[t + 1], i);
-        const __m256i c[2] = { _mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b) };
-        for (int32_t m = 0; m < 2; m++) {
-            p.high[m] = _mm256_add_epi32(p.high[m], _mm256_madd_epi16(c[m], w));
-            p.low[m] = _mm256_add_epi32(p.low[m], _mm256_madd_epi16(c[m], x));
-        }
-    }
-    return p;
-}
 
 static inline void sum_whole(float *sums, const ntp__whole_weights *from, int32_t n, int32_t count)
 {
@@ -74,26 +38,6 @@ static inline void sum_whole(float *sums, const ntp__whole_weights *from, int32_
     }
 }
 
-void ntp__add_whole_avx2(double *sums, const ntp__whole_weights *from, double scale, int32_t first,
-                         int32_t count)
-{
-    const __m256d one = _mm256_set1_pd(scale), upper = _mm256_set1_pd(scale * 0x1p15);
-    for (int32_t i = first; i < first + count; i += 2 * EIGHT) {
-        const both_parts p = sum_parts(from, from->n, i);
-        __m128i high[4], low[4];
-        for (int32_t m = 0; m < 2; m++) {
-            high[m] = _mm256_castsi256_si128(p.high[m]);
-            low[m] = _mm256_castsi256_si128(p.low[m]);
-            high[m + 2] = _mm256_extracti128_si256(p.high[m], 1);
-            low[m + 2] = _mm256_extracti128_si256(p.low[m], 1);
-        }
-        for (int32_t m = 0; m < 4; m++)
-            _mm256_storeu_pd(sums + i + 4 * m,
-                             _mm256_add_pd(_mm256_mul_pd(_mm256_cvtepi32_pd(high[m]), upper),
-                                           _mm256_mul_pd(_mm256_cvtepi32_pd(low[m]), one)));
-    }
-}
-
 /* Lanczos has six pairs of rows where the height is halved. */
 void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t count)
 {
@@ -101,19 +45,6 @@ void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t co
         sum_whole(sums, from, 6, count);
     else
         sum_whole(sums, from, from->n, count);
-}
-
-void ntp__widen_avx2(float *to, const int16_t *from, int32_t n)
-{
-    const __m128i *v = (const void *) from;
-    for (int32_t i = 0; i < n; i += EIGHT)
-        _mm256_storeu_ps(to + i, _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(v++))));
-}
-
-void ntp__widen_halves_avx2(float to[64], const int16_t *row)
-{
-    for (int32_t k = 0; k < EIGHT; k++)
-        ntp__widen_avx2(to + EIGHT * k, row + NTP__RUN * k, EIGHT);
 }
 
 void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *weight, float scale,
@@ -359,21 +290,21 @@ void ntp__fill_halves_avx2(void *to, bool deep)
         _mm256_storeu_si256((void *) (d + i), one);
 }
 
-/* Levels of v over the length, less that of 0; adds to *doubt, which says where they may be wrong. */
-static inline __m256i rounded(__m256 v, __m256 factor, __m256 error, __m256 *doubt)
+/* Levels of v over the length, less that of 0; adds to *doubt, which says where they may be wrong: by `part` of
+ * themselves, and by `error`. */
+static inline __m256i rounded(__m256 v, __m256 factor, __m256 error, __m256 part, __m256 *doubt)
 {
     const __m256 a = _mm256_mul_ps(v, factor), sign = _mm256_set1_ps(-0.0F);
     const __m256 from =
         _mm256_sub_ps(a, _mm256_round_ps(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
-    const __m256 near = _mm256_add_ps(
-        _mm256_mul_ps(_mm256_andnot_ps(sign, a), _mm256_set1_ps(5 * 0x1p-24F)), error);
+    const __m256 near = _mm256_add_ps(_mm256_mul_ps(_mm256_andnot_ps(sign, a), part), error);
     *doubt = _mm256_or_ps(*doubt, _mm256_cmp_ps(_mm256_andnot_ps(sign, from), near, _CMP_NGE_UQ));
     return _mm256_cvttps_epi32(_mm256_floor_ps(a));
 }
 
-/* Eight texels; *left: bits of those that are in doubt, or too long. */
-static inline texels directions(const ntp__planes *p, int32_t i, __m256 error, bool deep,
-                                bool zzero, uint32_t *left)
+/* Eight texels; *left: bits of those that are in doubt. */
+static ALWAYS_INLINE texels directions(const ntp__planes *p, int32_t i, __m256 error, bool deep,
+                                       bool zzero, uint32_t *left)
 {
     const __m256 x = _mm256_loadu_ps(p->c[0] + i), y = _mm256_loadu_ps(p->c[1] + i);
     const __m256 z = _mm256_loadu_ps(p->c[2] + i);
@@ -383,30 +314,37 @@ static inline texels directions(const ntp__planes *p, int32_t i, __m256 error, b
     const __m256 factor =
         _mm256_div_ps(_mm256_set1_ps(deep ? 32767.5F : 127.5F),
                       _mm256_sqrt_ps(_mm256_max_ps(square, _mm256_set1_ps(0x1p-100F))));
+    const __m256 near = _mm256_set1_ps(deep ? 5 * 0x1p-24F : 7 * 0x1p-24F);
     __m256 doubt = _mm256_setzero_ps();
     error = _mm256_mul_ps(error, factor);
-    const __m256i r = rounded(x, factor, error, &doubt), g = rounded(y, factor, error, &doubt);
+    const __m256i r = rounded(x, factor, error, near, &doubt);
+    const __m256i g = rounded(y, factor, error, near, &doubt);
     const __m256i zeros = _mm256_set1_epi16((short) (deep ? 32768 : 128));
+    __m256i pair = _mm256_blend_epi16(r, _mm256_slli_epi32(g, 16), 0xaa);
+    __m256i e = rest_of_pair(pair, deep);
+    if (_mm256_movemask_ps(_mm256_castsi256_ps(e)) != 0)
+        pair = pulled(pair, &e, deep);
     texels t;
-    t.rg = _mm256_add_epi16(_mm256_blend_epi16(r, _mm256_slli_epi32(g, 16), 0xaa), zeros);
-    const __m256i e = rest_of(t.rg, deep), b = blue_of(e, root_of(e, deep), deep, zzero);
+    t.rg = _mm256_add_epi16(pair, zeros);
+    const __m256i b = blue_of(e, root_of(e, deep), deep, zzero);
     const __m256i down = _mm256_castps_si256(_mm256_cmp_ps(z, _mm256_setzero_ps(), _CMP_LT_OQ));
     t.b = zzero
               ? b
               : _mm256_xor_si256(b, _mm256_and_si256(down, _mm256_set1_epi32(deep ? 65535 : 255)));
-    *left = (uint32_t) _mm256_movemask_ps(_mm256_or_ps(doubt, _mm256_castsi256_ps(e)));
+    *left = (uint32_t) _mm256_movemask_ps(doubt);
     return t;
 }
 
 /* Places in doubt may lie beyond the last texel; no pixel is written there. */
-static inline int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t n,
-                                      float error, bool deep, bool zzero)
+static inline int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t first,
+                                      int32_t n, float error, bool deep, bool zzero)
 {
     const __m256 off = _mm256_set1_ps(3 * error); /* 1 + sqrt(3), with some room */
     const int32_t size = deep ? 6 : 3;
     uint8_t few[6 * EIGHT] = { 0 };
     int32_t found = 0;
-    for (int32_t i = 0; i < n; i += EIGHT, d += size * EIGHT) {
+    d += size * first;
+    for (int32_t i = first; i < n; i += EIGHT, d += size * EIGHT) {
         const bool last = n - i < EIGHT + 2; /* four bytes more than eight texels are written */
         uint8_t *to = last ? few : d;
         uint32_t left;
@@ -427,11 +365,11 @@ static inline int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes
     return found;
 }
 
-int32_t ntp__pack_directions_avx2(void *d, int32_t *at, const ntp__planes *p, int32_t n,
-                                  float error, bool deep, bool zzero)
+int32_t ntp__pack_directions_avx2(void *d, int32_t *at, const ntp__planes *p, int32_t first,
+                                  int32_t n, float error, bool deep, bool zzero)
 {
-    int32_t found = deep ? pack_directions(d, at, p, n, error, true, zzero)
-                         : pack_directions(d, at, p, n, error, false, zzero);
+    int32_t found = deep ? pack_directions(d, at, p, first, n, error, true, zzero)
+                         : pack_directions(d, at, p, first, n, error, false, zzero);
     while (found > 0 && at[found - 1] >= n)
         found--;
     return found;

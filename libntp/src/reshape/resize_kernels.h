@@ -59,9 +59,6 @@ void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t co
 void ntp__add_whole_avx2(double *sums, const ntp__whole_weights *from, double scale, int32_t first,
                          int32_t count);
 
-/* Whole numbers as floats; n is a multiple of 8. */
-void ntp__widen_avx2(float *to, const int16_t *from, int32_t n);
-
 /* Where sides are halved: x of even columns in a run of NTP__RUN numbers, then x of odd ones, and so
  * y and z, as numerators over M: int16_t, or floats of 16 bit.  Runs of 1 may follow.  n is even, at
  * least 64.  False where a pixel is black or white; the rest is as for ntp__place_rgb_avx2. */
@@ -74,9 +71,6 @@ bool ntp__leave_out_halves_avx2(void *to, int32_t n, bool deep, bool zzero, uint
 /* Runs of 1. */
 void ntp__fill_halves_avx2(void *to, bool deep);
 
-/* Eight numbers of each of the eight runs of a row as floats. */
-void ntp__widen_halves_avx2(float to[64], const int16_t *row);
-
 /* As ntp__sum_columns_avx2, of the first `planes` pairs of such runs and with the same weights for
  * all, as many and as great on both sides.  n is at least 32. */
 void ntp__sum_halves_avx2(ntp__planes *out, float least[4], const float *sums, const float *weight,
@@ -86,10 +80,37 @@ void ntp__sum_halves_avx2(ntp__planes *out, float least[4], const float *sums, c
 void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
                            const int32_t *first, const float *weight, int32_t taps, int32_t n);
 
-/* Packed pixels, of 8 bit or 16 (deep), of the directions of vectors whose components are off by
- * `error` at most, and 0 or at least 2^-50.  at[]: those in doubt, such as those that are not a
- * number; returns how many. */
-int32_t ntp__pack_directions_avx2(void *d, int32_t *at, const ntp__planes *p, int32_t n,
-                                  float error, bool deep, bool zzero);
+/* Packed pixels, of 8 bit or 16 (deep), of the directions of vectors first.. to n - 1, a multiple of 8 and the end.
+ * Their components are off by `error` at most (8 bit: and by 2^-24 of themselves), and 0 or at least 2^-50.
+ * d is where pixel 0 is.  at[]: those in doubt, such as those that are not a number; returns how many. */
+int32_t ntp__pack_directions_avx2(void *d, int32_t *at, const ntp__planes *p, int32_t first,
+                                  int32_t n, float error, bool deep, bool zzero);
+
+/* Of texels: not 0 where one that they are made of is used, below 0 where one has a negative z. */
+typedef struct ntp__plane_marks {
+    int16_t used[NTP__MOST_COLUMNS], below[NTP__MOST_COLUMNS];
+} ntp__plane_marks;
+
+/* All bits of the numbers, of a pair of runs of int16_t, that make each of n texels: of `half` columns of each run, and
+ * of `taps` rows whose weight is not 0. */
+void ntp__any_of_halves_avx2(int16_t *to, const float *const *rows, const int32_t *weight,
+                             int32_t taps, int32_t half, int32_t run, int32_t n);
+
+/* Vectors first.. to n - 1, a multiple of 8 and the end, whose components are off by `error` at most.  Those of
+ * no weight (holes: there may be such) become flat; z below 0 that no source has becomes 0; x that is not
+ * certain, as z or the weight may be 0, becomes a NaN. */
+void ntp__judge_planes_avx2(ntp__planes *p, const ntp__plane_marks *marks, float m, float error,
+                            bool holes, int32_t first, int32_t n);
+
+/* 2^15 high + low.  Texels 0, 2, 4, 6 of eight come before 1, 3, 5, 7. */
+typedef struct ntp__whole_sums {
+    int64_t high[4][NTP__MOST_COLUMNS], low[4][NTP__MOST_COLUMNS];
+} ntp__whole_sums;
+
+/* Exact sums of such runs as they are in rows, of 9 bits, with weights that are integers below 2^30, in units of
+ * the product of both; and those times 2^-31, as floats.  Other arguments are as above. */
+void ntp__sum_exactly_avx2(ntp__whole_sums *exact, ntp__planes *out, const ntp__whole_weights *from,
+                           const int32_t *weight, int32_t taps, int32_t first, int32_t n,
+                           int32_t planes);
 
 #endif

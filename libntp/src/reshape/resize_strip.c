@@ -294,65 +294,87 @@ static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least
     return s->in_floats ? 0 : (float) (terms * u * (j->most * x->scale * y->scale));
 }
 
-/* Is the weight of texel i surely not above 0, given the sums of its columns?  Those of whole rows are rounded once,
- * so they are 0 only if they are exactly so. */
-static bool is_surely_empty(const ntp__strip *s, float weight, float error, int32_t i)
+/* Which texels there may be. */
+typedef struct judged {
+    bool below, holes;
+} judged;
+
+/* Of texels first.. to n - 1: those that are made of unused ones, or whose z is negative; makes red of the uncertain a
+ * NaN.  `marks` are there where `any` is given. */
+static void judge_planes(const ntp__resize_job *j, ntp__planes *p, const ntp__plane_marks *marks,
+                         const judged *any, float error, int32_t first, int32_t n)
 {
-    bool empty = error == 0 || (s->whole && s->halved) || weight < -error;
-    for (int32_t c = 0; empty && weight >= -error && error > 0 && c < s->taps_x; c++) {
-        const int32_t column = s->at[i] + c;
-        empty = s->sums_in_float[(6 + column % 2) * NTP__RUN + column / 2] == 0;
-    }
-    return empty;
+    if (any->below || any->holes)
+        ntp__judge_planes_avx2(p, marks, (float) j->m, error, any->holes, first, n);
 }
 
-/* Texels that are made of unused ones, or whose z is negative; makes red of the uncertain a NaN. */
-static void judge_planes(const ntp__resize_job *j, ntp__planes *p, const float least[4],
-                         float error, const sources *from, int32_t y)
+static judged mark_texels(const ntp__resize_job *j, ntp__plane_marks *marks, const ntp__planes *p,
+                          const float least[4], float error, const sources *from, int32_t y)
 {
-    const bool any_below =
-        least[2] <= error && (error > 0 || j->plan->how.filter == NTP_FILTER_LANCZOS3);
-    if (!any_below && least[3] > error)
-        return;
-    int32_t below[WIDEST], found = 0;
-    for (int32_t i = 0; i < j->strip->n; i++) {
-        const float z = p->c[2][i];
-        const bool empty = least[3] <= error && p->c[3][i] <= error;
-        if (empty && is_surely_empty(j->strip, p->c[3][i], error, i)) {
-            p->c[0][i] = p->c[1][i] =
-                1; /* that of a flat texel, which no error makes another one */
-            p->c[2][i] = (float) j->m;
-        } else if (error > 0 && (empty || fabsf(z) <= error)) {
-            p->c[0][i] = NAN;
-        } else {
-            below[found] = i; /* without a branch, which noise takes at random */
-            found += z < 0;
-        }
-    }
-    for (int32_t k = 0; k < found; k++) {
-        if (overshot(j, from, below[k], y))
-            p->c[2][below[k]] = 0;
-    }
+    enum { Z = 4, WEIGHT = 6 /* where runs begin */ };
+    const ntp__strip *s = j->strip;
+    const bool overshoots = j->plan->how.filter == NTP_FILTER_LANCZOS3;
+    const bool runs = s->whole && s->halved;
+    const judged any = { least[2] <= error && (error > 0 || overshoots), least[3] <= error };
+    const size_t size = sizeof marks->below;
+    memset(marks->used, 1, size);
+    memset(marks->below, overshoots ? 0 : -1, size);
+    if (runs && any.holes && error > 0)
+        ntp__any_of_halves_avx2(marks->used, from->rows, from->weight, from->taps, s->taps_x / 2,
+                                WEIGHT, s->n);
+    if (!any.below || !overshoots || !from->any.negative)
+        return any;
+    if (runs)
+        ntp__any_of_halves_avx2(marks->below, from->rows, from->weight, from->taps, s->taps_x / 2,
+                                Z, s->n);
+    for (int32_t i = 0; !runs && i < s->n; i++)
+        marks->below[i] = p->c[2][i] < 0 && any_negative(j, from->rows, i, y) ? -1 : 0;
+    return any;
 }
 
-/* Sums of the columns of texel i, of whole rows that are runs. */
-static void sum_halves_in_doubles(ntp__strip *s, const sources *from, int32_t i)
+/* Texel i as it is exactly, where the floats of exact sums do not decide it. */
+static void put_exactly(const ntp__resize_job *j, const ntp__whole_sums *exact,
+                        const ntp__planes *p, int32_t i, int32_t y)
 {
-    enum { RUNS = 8, EACH = 8, ALL = RUNS * EACH };
-    float part[MOST_TAPS + 2][ALL];
-    const float *rows[MOST_TAPS + 2];
-    double sums[ALL], *to = s->sums + 4 * s->at[i];
-    for (int32_t t = 0; t < from->taps; t++) {
-        const int16_t *whole = (const int16_t *) (const void *) from->rows[t];
-        ntp__widen_halves_avx2(part[t], whole + s->at[i] / 2);
-        rows[t] = part[t];
-    }
-    (from->symmetric ? loops()->add_pairs : loops()->add_rows)(sums, rows, from->weight, from->taps,
-                                                               ALL);
-    for (int32_t c = 0; c < s->taps_x; c++) {
-        const double *sum = sums + EACH * (c % 2) + c / 2;
-        for (int32_t k = 0; k < 4; k++, sum += 2 * EACH)
-            *to++ = *sum;
+    const int32_t at = i / 8 * 8 + i % 2 * 4 + i % 8 / 2;
+    uint8_t *d = ntp__at_mut(j->dst, j->strip->x0 + i, y);
+    int32_t levels[3];
+    ntp__i128 sum[3];
+    for (int32_t k = 0; k < 3; k++)
+        sum[k] = ntp__i128_add(ntp__i128_shift(ntp__i128_of(exact->high[k][at]), 15),
+                               ntp__i128_of(exact->low[k][at]));
+    if (p->c[2][i] == 0) /* or overshot */
+        sum[2] = ntp__i128_of(0);
+    ntp__direction_levels(levels, sum, j->m, j->src->encoding);
+    for (int32_t k = 0; k < 3; k++)
+        d[k] = (uint8_t) levels[k];
+}
+
+/* The texels in doubt, at[0].., of whole rows that are runs, with all others of the same eight. */
+static void settle_halves(const ntp__resize_job *j, ntp__planes *p, const ntp__plane_marks *marks,
+                          const judged *any, const sources *from, const int32_t *at, int32_t found,
+                          int32_t y)
+{
+    enum { EIGHT = 8 };
+    const ntp__strip *s = j->strip;
+    const ntp__axis *x = &j->plan->x;
+    ntp__whole_weights weights;
+    ntp__whole_sums exact;
+    split_weights(&weights, from, 1);
+    for (int32_t k = 0; k < found;) {
+        const int32_t first = at[k] / EIGHT * EIGHT;
+        int32_t end = first + EIGHT, left[WIDEST];
+        for (; k < found && at[k] < end + EIGHT; k++)
+            end = (at[k] / EIGHT + 1) * EIGHT;
+        end = end < s->n ? end : s->n;
+        ntp__sum_exactly_avx2(&exact, p, &weights, x->weight + (ptrdiff_t) s->x0 * x->stride,
+                              s->taps_x, first, end, any->holes ? 4 : 3);
+        judge_planes(j, p, marks, any, 0, first, end);
+        const int32_t n =
+            ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), left, p, first, end, 0, false,
+                                      j->dst->encoding == NTP_ENCODING_ZZERO);
+        for (int32_t i = 0; i < n; i++)
+            put_exactly(j, &exact, p, left[i], y);
     }
 }
 
@@ -364,10 +386,7 @@ static void sum_again(const ntp__resize_job *j, ntp__vectors *v, double *total, 
     for (int32_t k = 0; k < n; k++) {
         const int32_t i = at[k], columns = j->plan->x.span[s->x0 + i].count;
         ntp__vectors one;
-        if (s->halved)
-            sum_halves_in_doubles(s, from, i);
-        else
-            sum_in_doubles(s, from, 4 * s->at[i], (4 * columns + 7) / 8 * 8);
+        sum_in_doubles(s, from, 4 * s->at[i], (4 * columns + 7) / 8 * 8);
         loops()->add_columns(&one, &total[k], s->sums, &s->at[i], s->weight + i * s->taps_x,
                              s->taps_x, 1);
         for (int32_t c = 0; c < 3; c++)
@@ -383,24 +402,37 @@ int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *in
     double total[NTP__BLOCK];
     float least[4];
     ntp__planes p;
+    ntp__plane_marks marks;
     sources from;
-    if (!s->packed || s->pause-- > 0)
+    const bool exactly = s->halved && !s->in_floats, pauses = s->packed && s->pause-- > 0;
+    if (!s->packed || (pauses && !exactly))
         return -1;
-    s->pause = 0;
     find_sources(j, &from, y);
+    if (pauses) {
+        least[2] = -INFINITY;
+        least[3] = from.any.holes ? -INFINITY : INFINITY;
+        const judged any = mark_texels(j, &marks, &p, least, 1, &from, y);
+        for (int32_t i = 0; i < s->n; i++)
+            at[i] = i;
+        settle_halves(j, &p, &marks, &any, &from, at, s->n, y);
+        return 0;
+    }
+    s->pause = 0;
     const float error = sum_in_floats(j, &p, least, &from);
-    judge_planes(j, &p, least, error, &from, y);
+    const judged any = mark_texels(j, &marks, &p, least, error, &from, y);
+    judge_planes(j, &p, &marks, &any, error, 0, s->n);
     const int32_t found =
-        ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), at, &p, s->n, error, j->m > 255,
+        ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), at, &p, 0, s->n, error, j->m > 255,
                                   j->dst->encoding == NTP_ENCODING_ZZERO);
     /* What floats hold is not summed again, however much of it is left. */
     if (found > s->n / MANY && !s->in_floats) {
         s->pause = PAUSE;
-        if (s->halved) {
-            s->halved = false;
-            ntp__strip_forget(s);
-        }
-        return -1;
+        if (!exactly)
+            return -1;
+    }
+    if (exactly) {
+        settle_halves(j, &p, &marks, &any, &from, at, found, y);
+        return 0;
     }
     if (s->in_floats) {
         const double unit = 1 / (j->plan->x.scale * j->plan->y.scale);

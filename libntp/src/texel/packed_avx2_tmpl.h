@@ -129,4 +129,19 @@ static inline __m256i sum_of_pair(__m256i pair)
                             _mm256_madd_epi16(pair, _mm256_set1_epi16(1)));
 }
 
+static inline __m256i rest_of_pair(__m256i pair, bool deep)
+{
+    return _mm256_sub_epi32(_mm256_set1_epi32(deep ? REST_16 : REST_8), sum_of_pair(pair));
+}
+
+/* Pulls those of eight rounded pairs that are too long, whose e is negative: as level.c says, none is more than
+ * (1, 1) above the least of the four. */
+static inline __m256i pulled(__m256i pair, __m256i *e, bool deep)
+{
+    const __m256i sign = _mm256_srai_epi16(pair, 15), q = _mm256_xor_si256(pair, sign);
+    const __m256i to = _mm256_blendv_epi8(q, onto_disc(q, q, deep), _mm256_srai_epi32(*e, 31));
+    *e = rest_of_pair(to, deep);
+    return _mm256_xor_si256(to, sign);
+}
+
 #endif
