@@ -13,7 +13,7 @@
  */
 #include "base/inlining.h"
 #include "base/view.h"
-#include "reshape/whole_avx2_tmpl.h"
+#include "reshape/resize_kernels.h"
 #include "texel/packed_avx2_tmpl.h"
 
 #include <string.h>
@@ -23,6 +23,44 @@ enum {
     FOUR = 4,     /* texels */
     EIGHT = 8
 };
+
+/* 16 sums of two numbers */
+static inline __m256i load_both(const float *row, const float *other, int32_t i)
+{
+    const int16_t *a = (const void *) row, *b = (const void *) other;
+    return _mm256_add_epi16(_mm256_loadu_si256((const void *) (a + i)),
+                            _mm256_loadu_si256((const void *) (b + i)));
+}
+
+static inline __m256i two_weights(const int16_t *weight)
+{
+    int32_t two;
+    memcpy(&two, weight, sizeof two);
+    return _mm256_set1_epi32(two);
+}
+
+/* Of both halves of 16 numbers: sums of upper parts of weights, and of lower ones. */
+typedef struct both_parts {
+    __m256i high[2], low[2];
+} both_parts;
+
+/* With n weights; few registers are enough for 16 numbers. */
+static inline both_parts sum_parts(const ntp__whole_weights *from, int32_t n, int32_t i)
+{
+    both_parts p;
+    p.high[0] = p.high[1] = p.low[0] = p.low[1] = _mm256_setzero_si256();
+    for (int32_t t = 0; t < n; t += 2) {
+        const __m256i w = two_weights(from->upper + t), x = two_weights(from->lower + t);
+        const __m256i a = load_both(from->row[t], from->other[t], i);
+        const __m256i b = load_both(from->row[t + 1], from->other[t + 1], i);
+        const __m256i c[2] = { _mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b) };
+        for (int32_t m = 0; m < 2; m++) {
+            p.high[m] = _mm256_add_epi32(p.high[m], _mm256_madd_epi16(c[m], w));
+            p.low[m] = _mm256_add_epi32(p.low[m], _mm256_madd_epi16(c[m], x));
+        }
+    }
+    return p;
+}
 
 static inline void sum_whole(float *sums, const ntp__whole_weights *from, int32_t n, int32_t count)
 {
@@ -35,6 +73,26 @@ static inline void sum_whole(float *sums, const ntp__whole_weights *from, int32_
                 _mm256_mul_ps(_mm256_cvtepi32_ps(p.low[m]), _mm256_set1_ps(0x1p-15F)));
         _mm256_storeu_ps(sums + i, _mm256_permute2f128_ps(v[0], v[1], 0x20));
         _mm256_storeu_ps(sums + i + EIGHT, _mm256_permute2f128_ps(v[0], v[1], 0x31));
+    }
+}
+
+void ntp__add_whole_avx2(double *sums, const ntp__whole_weights *from, double scale, int32_t first,
+                         int32_t count)
+{
+    const __m256d one = _mm256_set1_pd(scale), upper = _mm256_set1_pd(scale * 0x1p15);
+    for (int32_t i = first; i < first + count; i += 2 * EIGHT) {
+        const both_parts p = sum_parts(from, from->n, i);
+        __m128i high[4], low[4];
+        for (int32_t m = 0; m < 2; m++) {
+            high[m] = _mm256_castsi256_si128(p.high[m]);
+            low[m] = _mm256_castsi256_si128(p.low[m]);
+            high[m + 2] = _mm256_extracti128_si256(p.high[m], 1);
+            low[m + 2] = _mm256_extracti128_si256(p.low[m], 1);
+        }
+        for (int32_t m = 0; m < 4; m++)
+            _mm256_storeu_pd(sums + i + 4 * m,
+                             _mm256_add_pd(_mm256_mul_pd(_mm256_cvtepi32_pd(high[m]), upper),
+                                           _mm256_mul_pd(_mm256_cvtepi32_pd(low[m]), one)));
     }
 }
 

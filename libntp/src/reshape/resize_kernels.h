@@ -102,15 +102,16 @@ void ntp__any_of_halves_avx2(int16_t *to, const float *const *rows, const int32_
 void ntp__judge_planes_avx2(ntp__planes *p, const ntp__plane_marks *marks, float m, float error,
                             bool holes, int32_t first, int32_t n);
 
-/* 2^15 high + low.  Texels 0, 2, 4, 6 of eight come before 1, 3, 5, 7. */
+/* Each the sum of two integers, of which the higher one is a multiple of 2^20. */
 typedef struct ntp__whole_sums {
-    int64_t high[4][NTP__MOST_COLUMNS], low[4][NTP__MOST_COLUMNS];
+    double high[4][NTP__MOST_COLUMNS], low[4][NTP__MOST_COLUMNS];
 } ntp__whole_sums;
 
-/* Exact sums of such runs as they are in rows, of 9 bits, with weights that are integers below 2^30, in units of
- * the product of both; and those times 2^-31, as floats.  Other arguments are as above. */
-void ntp__sum_exactly_avx2(ntp__whole_sums *exact, ntp__planes *out, const ntp__whole_weights *from,
-                           const int32_t *weight, int32_t taps, int32_t first, int32_t n,
+/* Exact sums of columns, of sums of rows (ntp__add_whole_avx2) that are such runs, with weights that are
+ * integers below 2^30, as many and as great on both sides; and those times 2^-31, as floats.  Texels and planes
+ * are as above. */
+void ntp__sum_exactly_avx2(ntp__whole_sums *exact, ntp__planes *out, const double *sums,
+                           const double *weight, int32_t taps, int32_t first, int32_t n,
                            int32_t planes);
 
 #endif

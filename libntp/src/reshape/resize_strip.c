@@ -336,13 +336,13 @@ static judged mark_texels(const ntp__resize_job *j, ntp__plane_marks *marks, con
 static void put_exactly(const ntp__resize_job *j, const ntp__whole_sums *exact,
                         const ntp__planes *p, int32_t i, int32_t y)
 {
-    const int32_t at = i / 8 * 8 + i % 2 * 4 + i % 8 / 2;
     uint8_t *d = ntp__at_mut(j->dst, j->strip->x0 + i, y);
     int32_t levels[3];
     ntp__i128 sum[3];
     for (int32_t k = 0; k < 3; k++)
-        sum[k] = ntp__i128_add(ntp__i128_shift(ntp__i128_of(exact->high[k][at]), 15),
-                               ntp__i128_of(exact->low[k][at]));
+        sum[k] = ntp__i128_add(
+            ntp__i128_shift(ntp__i128_of((int64_t) (exact->high[k][i] * 0x1p-20)), 20),
+            ntp__i128_of((int64_t) exact->low[k][i]));
     if (p->c[2][i] == 0) /* or overshot */
         sum[2] = ntp__i128_of(0);
     ntp__direction_levels(levels, sum, j->m, j->src->encoding);
@@ -350,16 +350,18 @@ static void put_exactly(const ntp__resize_job *j, const ntp__whole_sums *exact,
         d[k] = (uint8_t) levels[k];
 }
 
-/* The texels in doubt, at[0].., of whole rows that are runs, with all others of the same eight. */
-static void settle_halves(const ntp__resize_job *j, ntp__planes *p, const ntp__plane_marks *marks,
+/* The texels in doubt, at[0].., of whole rows that are runs, with all others of the same eight; returns how many are
+ * done.  Where pairs of rows are the same one, sums are twice as great, which changes no direction. */
+static int32_t settle_halves(const ntp__resize_job *j, ntp__planes *p, const ntp__plane_marks *marks,
                           const judged *any, const sources *from, const int32_t *at, int32_t found,
                           int32_t y)
 {
     enum { EIGHT = 8 };
-    const ntp__strip *s = j->strip;
-    const ntp__axis *x = &j->plan->x;
+    ntp__strip *s = j->strip;
+    const int32_t planes = any->holes ? 4 : 3;
     ntp__whole_weights weights;
     ntp__whole_sums exact;
+    int32_t done = 0;
     split_weights(&weights, from, 1);
     for (int32_t k = 0; k < found;) {
         const int32_t first = at[k] / EIGHT * EIGHT;
@@ -367,15 +369,19 @@ static void settle_halves(const ntp__resize_job *j, ntp__planes *p, const ntp__p
         for (; k < found && at[k] < end + EIGHT; k++)
             end = (at[k] / EIGHT + 1) * EIGHT;
         end = end < s->n ? end : s->n;
-        ntp__sum_exactly_avx2(&exact, p, &weights, x->weight + (ptrdiff_t) s->x0 * x->stride,
-                              s->taps_x, first, end, any->holes ? 4 : 3);
+        for (int32_t run = 0; run < 2 * planes; run++)
+            ntp__add_whole_avx2(s->sums, &weights, 1, run * NTP__RUN + first,
+                                end - first + s->taps_x / 2);
+        ntp__sum_exactly_avx2(&exact, p, s->sums, s->weight, s->taps_x, first, end, planes);
         judge_planes(j, p, marks, any, 0, first, end);
         const int32_t n =
             ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), left, p, first, end, 0, false,
                                       j->dst->encoding == NTP_ENCODING_ZZERO);
         for (int32_t i = 0; i < n; i++)
             put_exactly(j, &exact, p, left[i], y);
+        done += end - first;
     }
+    return done;
 }
 
 /* The sums of some texels in doubles. */
@@ -424,15 +430,15 @@ int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *in
     const int32_t found =
         ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), at, &p, 0, s->n, error, j->m > 255,
                                   j->dst->encoding == NTP_ENCODING_ZZERO);
+    if (exactly) {
+        if (settle_halves(j, &p, &marks, &any, &from, at, found, y) > s->n / 2)
+            s->pause = PAUSE;
+        return 0;
+    }
     /* What floats hold is not summed again, however much of it is left. */
     if (found > s->n / MANY && !s->in_floats) {
         s->pause = PAUSE;
-        if (!exactly)
-            return -1;
-    }
-    if (exactly) {
-        settle_halves(j, &p, &marks, &any, &from, at, found, y);
-        return 0;
+        return -1;
     }
     if (s->in_floats) {
         const double unit = 1 / (j->plan->x.scale * j->plan->y.scale);
