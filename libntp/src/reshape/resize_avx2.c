@@ -378,12 +378,12 @@ static ALWAYS_INLINE texels directions(const ntp__planes *p, int32_t i, __m256 e
     const __m256i r = rounded(x, factor, error, near, &doubt);
     const __m256i g = rounded(y, factor, error, near, &doubt);
     const __m256i zeros = _mm256_set1_epi16((short) (deep ? 32768 : 128));
-    __m256i pair = _mm256_blend_epi16(r, _mm256_slli_epi32(g, 16), 0xaa);
-    __m256i e = rest_of_pair(pair, deep);
-    if (_mm256_movemask_ps(_mm256_castsi256_ps(e)) != 0)
-        pair = pulled(pair, &e, deep);
+    const __m256i pair = _mm256_blend_epi16(r, _mm256_slli_epi32(g, 16), 0xaa);
     texels t;
     t.rg = _mm256_add_epi16(pair, zeros);
+    __m256i e = rest_of(t.rg, deep);
+    if (_mm256_movemask_ps(_mm256_castsi256_ps(e)) != 0)
+        t.rg = _mm256_add_epi16(pulled(pair, &e, deep), zeros);
     const __m256i b = blue_of(e, root_of(e, deep), deep, zzero);
     const __m256i down = _mm256_castps_si256(_mm256_cmp_ps(z, _mm256_setzero_ps(), _CMP_LT_OQ));
     t.b = zzero

@@ -21,6 +21,7 @@
  * one sum more before the product, and the last sum of the two halves less, so the bound stays.
  */
 #include "base/cpu.h"
+#include "base/inlining.h"
 #include "reshape/resize_strip.h"
 
 #include <math.h>
@@ -107,7 +108,7 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
 }
 
 /* 1: the z of a column is negative. */
-static inline int32_t is_below(const ntp__strip *s, const float *row, int32_t column)
+static ALWAYS_INLINE int32_t is_below(const ntp__strip *s, const float *row, int32_t column)
 {
     const int32_t half = (4 + column % 2) * NTP__RUN + column / 2;
     const int32_t z = s->halved ? half : 4 * column + 2;
@@ -128,7 +129,7 @@ static inline bool is_middle_below(const ntp__strip *s, const float *const *rows
 }
 
 /* Does a texel that texel i of row y is made of have a negative z? */
-static bool any_negative(const ntp__resize_job *j, const float *const *rows, int32_t i, int32_t y)
+ONE_COPY static bool any_negative(const ntp__resize_job *j, const float *const *rows, int32_t i, int32_t y)
 {
     const ntp__strip *s = j->strip;
     const ntp__axis *axis = &j->plan->y;
@@ -301,7 +302,7 @@ typedef struct judged {
 
 /* Of texels first.. to n - 1: those that are made of unused ones, or whose z is negative; makes red of the uncertain a
  * NaN.  `marks` are there where `any` is given. */
-static void judge_planes(const ntp__resize_job *j, ntp__planes *p, const ntp__plane_marks *marks,
+ONE_COPY static void judge_planes(const ntp__resize_job *j, ntp__planes *p, const ntp__plane_marks *marks,
                          const judged *any, float error, int32_t first, int32_t n)
 {
     if (any->below || any->holes)
@@ -317,6 +318,8 @@ static judged mark_texels(const ntp__resize_job *j, ntp__plane_marks *marks, con
     const bool runs = s->whole && s->halved;
     const judged any = { least[2] <= error && (error > 0 || overshoots), least[3] <= error };
     const size_t size = sizeof marks->below;
+    if (!any.below && !any.holes)
+        return any;
     memset(marks->used, 1, size);
     memset(marks->below, overshoots ? 0 : -1, size);
     if (runs && any.holes && error > 0)
