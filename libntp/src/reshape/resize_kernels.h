@@ -54,6 +54,7 @@ typedef struct ntp__whole_weights {
 
 /* The same for numbers of 9 bits, times 2^14. */
 void ntp__sum_whole_avx2(float *sums, const ntp__whole_weights *from, int32_t count);
+void ntp__sum_whole_avx512(float *sums, const ntp__whole_weights *from, int32_t count);
 
 /* Exact sums of weights that are integers below 2^30, times 1 or a half, of numbers first.. of the rows. */
 void ntp__add_whole_avx2(double *sums, const ntp__whole_weights *from, double scale, int32_t first,
@@ -85,6 +86,10 @@ void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
  * d is where pixel 0 is.  at[]: those in doubt, such as those that are not a number; returns how many. */
 int32_t ntp__pack_directions_avx2(void *d, int32_t *at, const ntp__planes *p, int32_t first,
                                   int32_t n, float error, bool deep, bool zzero);
+
+/* The same with AVX-512, of 8 bit, where z is signed.  Planes are read up to a multiple of 16 texels. */
+int32_t ntp__pack_directions_avx512(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t first,
+                                    int32_t n, float error);
 
 /* Of texels: not 0 where one that they are made of is used, below 0 where one has a negative z. */
 typedef struct ntp__plane_marks {

@@ -56,6 +56,9 @@ static void choose_floats(const ntp__resize_job *j)
     s->in_floats = can && j->most < 0x1p24;
     s->packed = can && j->dst->pixel_stride == 3 * ntp__sample_size(j->dst->type) &&
                 (j->dst->type == NTP_TYPE_U8 || (j->dst->type == NTP_TYPE_U16 && s->in_floats));
+#ifdef NTP_HAVE_AVX512
+    s->wide = ntp__cpu_has_avx512(NTP__CPU_ALL);
+#endif
     s->pause = 0;
 }
 
@@ -267,6 +270,19 @@ static int32_t judge_vectors(const ntp__resize_job *j, ntp__vectors *v, int32_t 
 }
 
 #ifdef NTP_HAVE_AVX2
+/* Packed pixels of vectors first.. to n - 1 (resize_kernels.h). */
+static int32_t pack_directions(const ntp__resize_job *j, int32_t *at, const ntp__planes *p,
+                               int32_t y, int32_t first, int32_t n, float error)
+{
+    void *d = ntp__at_mut(j->dst, j->strip->x0, y);
+    const bool zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
+#  ifdef NTP_HAVE_AVX512
+    if (j->strip->wide && j->m == 255 && !zzero)
+        return ntp__pack_directions_avx512(d, at, p, first, n, error);
+#  endif
+    return ntp__pack_directions_avx2(d, at, p, first, n, error, j->m > 255, zzero);
+}
+
 /* Sums in floats; returns how far a component may be off. */
 static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least[4],
                            const sources *from)
@@ -281,7 +297,11 @@ static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least
     if (s->whole) {
         ntp__whole_weights to;
         split_weights(&to, from, y->scale * (from->symmetric ? 0x1p29 : 0x1p28));
+#  ifdef NTP_HAVE_AVX512
+        (s->wide ? ntp__sum_whole_avx512 : ntp__sum_whole_avx2)(s->sums_in_float, &to, count);
+#  else
         ntp__sum_whole_avx2(s->sums_in_float, &to, count);
+#  endif
     } else
         ntp__sum_rows_avx2(s->sums_in_float, from->rows, from->weight, (float) y->scale, from->taps,
                            from->symmetric, count);
@@ -377,9 +397,7 @@ static int32_t settle_halves(const ntp__resize_job *j, ntp__planes *p, const ntp
                                 end - first + s->taps_x / 2);
         ntp__sum_exactly_avx2(&exact, p, s->sums, s->weight, s->taps_x, first, end, planes);
         judge_planes(j, p, marks, any, 0, first, end);
-        const int32_t n =
-            ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), left, p, first, end, 0, false,
-                                      j->dst->encoding == NTP_ENCODING_ZZERO);
+        const int32_t n = pack_directions(j, left, p, y, first, end, 0);
         for (int32_t i = 0; i < n; i++)
             put_exactly(j, &exact, p, left[i], y);
         done += end - first;
@@ -430,9 +448,7 @@ int32_t ntp__strip_packed(const ntp__resize_job *j, ntp__vectors *v, int32_t *in
     const float error = sum_in_floats(j, &p, least, &from);
     const judged any = mark_texels(j, &marks, &p, least, error, &from, y);
     judge_planes(j, &p, &marks, &any, error, 0, s->n);
-    const int32_t found =
-        ntp__pack_directions_avx2(ntp__at_mut(j->dst, s->x0, y), at, &p, 0, s->n, error, j->m > 255,
-                                  j->dst->encoding == NTP_ENCODING_ZZERO);
+    const int32_t found = pack_directions(j, at, &p, y, 0, s->n, error);
     if (exactly) {
         if (settle_halves(j, &p, &marks, &any, &from, at, found, y) > s->n / 2)
             s->pause = PAUSE;

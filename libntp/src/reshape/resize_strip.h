@@ -28,6 +28,7 @@ struct ntp__strip {
     int32_t taps_x, rows;
     int32_t at[WIDEST];          /* where the columns of a texel begin */
     bool in_floats;              /* they are exact */
+    bool wide;                   /* there is AVX-512 */
     bool packed;                 /* rows are made of floats, as packed pixels */
     bool whole;                  /* rows of the source are int16_t */
     bool placed;                 /* they are read as packed pixels, with AVX2 */

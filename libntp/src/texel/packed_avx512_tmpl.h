@@ -110,11 +110,12 @@ static inline __m512i rest_words(__m512i pairs)
 }
 
 /* As in blue_avx2_tmpl.h. */
-static inline __m512i onto_disc(__m512i sizes, __m512i from)
+static inline __m512i onto_disc(__m512i sizes, __m512i from, bool deep)
 {
     const __m512i other = _mm512_rol_epi32(sizes, 16), beside = _mm512_rol_epi32(from, 16);
     const __m512i ones = _mm512_set1_epi16(1), least = _mm512_sub_epi16(sizes, ones);
-    const __m512i e = _mm512_sub_epi32(_mm512_set1_epi32(REST_16), _mm512_madd_epi16(sizes, least));
+    const __m512i e = _mm512_sub_epi32(_mm512_set1_epi32(deep ? REST_16 : REST_8),
+                                       _mm512_madd_epi16(sizes, least));
     const __m512i low = _mm512_madd_epi16(_mm512_min_epi16(sizes, other), ones);
     const __m512i high = _mm512_madd_epi16(_mm512_max_epi16(sizes, other), ones);
     const __m512i by_lesser =

@@ -57,7 +57,7 @@ static inline void pull_sixteen(many_long *to, int32_t first, bool zzero)
     const __m512i v = _mm512_min_epu32(
         _mm512_add_epi32(_mm512_loadu_si512(to->unit[1] + first), half), _mm512_or_si512(q, last));
     const __m512i sizes = _mm512_mask_mov_epi16(_mm512_srli_epi32(u, 16), 0xaaaaaaaa, v);
-    const __m512i size = onto_disc(sizes, q);
+    const __m512i size = onto_disc(sizes, q, true);
     const __m512i rg = _mm512_xor_si512(size, _mm512_xor_si512(sign, flip));
     const __mmask16 doubt = _mm512_testn_epi32_mask(u, last) | _mm512_testn_epi32_mask(v, last);
     _mm512_storeu_si512(to->rg + first, rg);
