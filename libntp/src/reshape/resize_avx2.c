@@ -45,7 +45,7 @@ typedef struct both_parts {
 } both_parts;
 
 /* With n weights; few registers are enough for 16 numbers. */
-static inline both_parts sum_parts(const ntp__whole_weights *from, int32_t n, int32_t i)
+static ALWAYS_INLINE both_parts sum_parts(const ntp__whole_weights *from, int32_t n, int32_t i)
 {
     both_parts p;
     p.high[0] = p.high[1] = p.low[0] = p.low[1] = _mm256_setzero_si256();
@@ -54,6 +54,7 @@ static inline both_parts sum_parts(const ntp__whole_weights *from, int32_t n, in
         const __m256i a = load_both(from->row[t], from->other[t], i);
         const __m256i b = load_both(from->row[t + 1], from->other[t + 1], i);
         const __m256i c[2] = { _mm256_unpacklo_epi16(a, b), _mm256_unpackhi_epi16(a, b) };
+        UNROLLED
         for (int32_t m = 0; m < 2; m++) {
             p.high[m] = _mm256_add_epi32(p.high[m], _mm256_madd_epi16(c[m], w));
             p.low[m] = _mm256_add_epi32(p.low[m], _mm256_madd_epi16(c[m], x));
@@ -62,11 +63,12 @@ static inline both_parts sum_parts(const ntp__whole_weights *from, int32_t n, in
     return p;
 }
 
-static inline void sum_whole(float *sums, const ntp__whole_weights *from, int32_t n, int32_t count)
+static ALWAYS_INLINE void sum_whole(float *sums, const ntp__whole_weights *from, int32_t n, int32_t count)
 {
     for (int32_t i = 0; i < count; i += 2 * EIGHT) {
         const both_parts p = sum_parts(from, n, i);
         __m256 v[2];
+        UNROLLED
         for (int32_t m = 0; m < 2; m++)
             v[m] = _mm256_add_ps(
                 _mm256_cvtepi32_ps(p.high[m]),
@@ -83,12 +85,14 @@ void ntp__add_whole_avx2(double *sums, const ntp__whole_weights *from, double sc
     for (int32_t i = first; i < first + count; i += 2 * EIGHT) {
         const both_parts p = sum_parts(from, from->n, i);
         __m128i high[4], low[4];
+        UNROLLED
         for (int32_t m = 0; m < 2; m++) {
             high[m] = _mm256_castsi256_si128(p.high[m]);
             low[m] = _mm256_castsi256_si128(p.low[m]);
             high[m + 2] = _mm256_extracti128_si256(p.high[m], 1);
             low[m + 2] = _mm256_extracti128_si256(p.low[m], 1);
         }
+        UNROLLED
         for (int32_t m = 0; m < 4; m++)
             _mm256_storeu_pd(sums + i + 4 * m,
                              _mm256_add_pd(_mm256_mul_pd(_mm256_cvtepi32_pd(high[m]), upper),
@@ -111,11 +115,13 @@ void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *we
     const int32_t end = symmetric ? taps / 2 : taps;
     for (int32_t i = 0; i < count; i += AT_ONCE) {
         __m256 sum[AT_ONCE / EIGHT];
+        UNROLLED
         for (int32_t k = 0; k < AT_ONCE / EIGHT; k++)
             sum[k] = _mm256_setzero_ps();
         for (int32_t t = 0; t < end; t++) {
             const __m256 w = _mm256_set1_ps((float) weight[t] * scale);
             const float *a = rows[t] + i, *b = rows[taps - 1 - t] + i;
+            UNROLLED
             for (int32_t k = 0; k < AT_ONCE / EIGHT; k++) {
                 __m256 v = _mm256_loadu_ps(a + k * EIGHT);
                 if (symmetric)
@@ -123,6 +129,7 @@ void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *we
                 sum[k] = _mm256_add_ps(sum[k], _mm256_mul_ps(w, v));
             }
         }
+        UNROLLED
         for (int32_t k = 0; k < AT_ONCE / EIGHT; k++)
             _mm256_storeu_ps(sums + i + k * EIGHT, sum[k]);
     }
@@ -146,6 +153,7 @@ void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
         const float *c[FOUR], *w[FOUR];
         __m256 sum[FOUR];
         __m128 v[FOUR];
+        UNROLLED
         for (int32_t k = 0; k < FOUR; k++) {
             const int32_t at = i + k < n ? i + k : n - 1;
             c[k] = sums + 4 * (ptrdiff_t) first[at];
@@ -153,19 +161,22 @@ void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
             sum[k] = _mm256_setzero_ps();
         }
         for (int32_t t = 0; t < taps; t += 2) {
+            UNROLLED
             for (int32_t k = 0; k < FOUR; k++)
                 sum[k] = _mm256_add_ps(
                     sum[k], _mm256_mul_ps(spread(w[k] + t), _mm256_loadu_ps(c[k] + 4 * t)));
         }
+        UNROLLED
         for (int32_t k = 0; k < FOUR; k++) {
             v[k] = _mm_add_ps(_mm256_castps256_ps128(sum[k]), _mm256_extractf128_ps(sum[k], 1));
             low = _mm_min_ps(low, v[k]);
         }
         _MM_TRANSPOSE4_PS(v[0], v[1], v[2], v[3]);
+        UNROLLED
         for (int32_t k = 0; k < FOUR; k++)
             _mm_storeu_ps(out->c[k] + i, v[k]);
     }
-    for (; i % EIGHT != 0; i++)
+    for (; i % (2 * EIGHT) != 0; i++)
         out->c[0][i] = out->c[1][i] = out->c[2][i] = 0;
     _mm_storeu_ps(least, low);
 }
@@ -181,15 +192,18 @@ void ntp__sum_halves_avx2(ntp__planes *out, float least[4], const float *sums, c
             const float *a = sums + at, *b = a + NTP__RUN + taps / 2 - 1;
             ptrdiff_t step = NTP__RUN;
             __m256 sum[FOUR];
+            UNROLLED
             for (int32_t k = 0; k < FOUR; k++)
                 sum[k] = _mm256_setzero_ps();
             for (int32_t t = 0; t < taps / 2; t++, a += step, b -= step, step = 1 - step) {
                 const __m256 w = _mm256_set1_ps(weight[t]);
+                UNROLLED
                 for (int32_t k = 0; k < FOUR; k++)
                     sum[k] = _mm256_add_ps(
                         sum[k], _mm256_mul_ps(w, _mm256_add_ps(_mm256_loadu_ps(a + EIGHT * k),
                                                                _mm256_loadu_ps(b + EIGHT * k))));
             }
+            UNROLLED
             for (int32_t k = 0; k < FOUR; k++) {
                 low = _mm256_min_ps(low, sum[k]);
                 _mm256_storeu_ps(out->c[p] + at + EIGHT * k, sum[k]);
@@ -199,12 +213,12 @@ void ntp__sum_halves_avx2(ntp__planes *out, float least[4], const float *sums, c
         const __m128 two = _mm_min_ps(half, _mm_movehl_ps(half, half));
         least[p] = _mm_cvtss_f32(_mm_min_ss(two, _mm_movehdup_ps(two)));
     }
-    for (int32_t i = n; i % EIGHT != 0; i++)
+    for (int32_t i = n; i % (2 * EIGHT) != 0; i++)
         out->c[0][i] = out->c[1][i] = out->c[2][i] = 0;
 }
 
 /* The samples of one color of 32 pixels, or 16 (deep), in their order. */
-static inline __m256i color_of(const __m256i v[3], int32_t c, bool deep)
+static ALWAYS_INLINE __m256i color_of(const __m256i v[3], int32_t c, bool deep)
 {
     if (deep) {
         const __m256i w =
@@ -235,7 +249,7 @@ typedef struct color_range {
 } color_range;
 
 /* Numbers of the even texels (odd = 0) or odd ones of a color, w or 2w - M. */
-static inline void place_half(void *to, __m256i w, int32_t odd, __m256i twice, __m256i less,
+static ALWAYS_INLINE void place_half(void *to, __m256i w, int32_t odd, __m256i twice, __m256i less,
                               bool deep)
 {
     if (deep) {
@@ -251,7 +265,7 @@ static inline void place_half(void *to, __m256i w, int32_t odd, __m256i twice, _
 }
 
 /* 32 pixels, or 16 (deep) */
-static inline void place_halves(char *to, const uint8_t *s, color_range *r, bool deep, bool zzero)
+static ALWAYS_INLINE void place_halves(char *to, const uint8_t *s, color_range *r, bool deep, bool zzero)
 {
     const ptrdiff_t size = 2 * NTP__RUN * (deep ? sizeof(float) : sizeof(int16_t));
     const __m256i v[3] = { load_two(s, s + 48), load_two(s + 16, s + 64),
@@ -262,6 +276,7 @@ static inline void place_halves(char *to, const uint8_t *s, color_range *r, bool
     r->any = deep ? _mm256_min_epu16(r->any, any) : _mm256_min_epu8(r->any, any);
     r->all = deep ? _mm256_max_epu16(r->all, all) : _mm256_max_epu8(r->all, all);
     r->blue = deep ? _mm256_min_epu16(r->blue, w[2]) : _mm256_min_epu8(r->blue, w[2]);
+    UNROLLED
     for (int32_t c = 0; c < 3; c++, to += size) {
         const bool as_it_is = zzero && c == 2;
         const __m256i twice = deep ? _mm256_set1_epi32(as_it_is ? 0 : -1)
@@ -273,7 +288,7 @@ static inline void place_halves(char *to, const uint8_t *s, color_range *r, bool
     }
 }
 
-static inline bool place_all_halves(char *to, bool *negative, const uint8_t *s, int32_t n,
+static ALWAYS_INLINE bool place_all_halves(char *to, bool *negative, const uint8_t *s, int32_t n,
                                     bool deep, bool zzero)
 {
     const int32_t step = deep ? 16 : 32, size = deep ? 6 : 3, number = deep ? 4 : 2;
@@ -300,12 +315,12 @@ bool ntp__place_halves_avx2(void *to, bool *negative, const void *src, int32_t n
                 : place_all_halves(to, negative, src, n, false, zzero);
 }
 
-static inline __m256i same(__m256i a, __m256i b, bool deep)
+static ALWAYS_INLINE __m256i same(__m256i a, __m256i b, bool deep)
 {
     return deep ? _mm256_cmpeq_epi32(a, b) : _mm256_cmpeq_epi16(a, b);
 }
 
-static inline __m256i numbers_of(int32_t v, bool deep)
+static ALWAYS_INLINE __m256i numbers_of(int32_t v, bool deep)
 {
     return deep ? _mm256_castps_si256(_mm256_set1_ps((float) v)) : _mm256_set1_epi16((short) v);
 }
@@ -350,7 +365,7 @@ void ntp__fill_halves_avx2(void *to, bool deep)
 
 /* Levels of v over the length, less that of 0; adds to *doubt, which says where they may be wrong: by `part` of
  * themselves, and by `error`. */
-static inline __m256i rounded(__m256 v, __m256 factor, __m256 error, __m256 part, __m256 *doubt)
+static ALWAYS_INLINE __m256i rounded(__m256 v, __m256 factor, __m256 error, __m256 part, __m256 *doubt)
 {
     const __m256 a = _mm256_mul_ps(v, factor), sign = _mm256_set1_ps(-0.0F);
     const __m256 from =
@@ -394,7 +409,7 @@ static ALWAYS_INLINE texels directions(const ntp__planes *p, int32_t i, __m256 e
 }
 
 /* Places in doubt may lie beyond the last texel; no pixel is written there. */
-static inline int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t first,
+static ALWAYS_INLINE int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t first,
                                       int32_t n, float error, bool deep, bool zzero)
 {
     const __m256 off = _mm256_set1_ps(3 * error); /* 1 + sqrt(3), with some room */

@@ -111,7 +111,7 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
 }
 
 /* 1: the z of a column is negative. */
-static ALWAYS_INLINE int32_t is_below(const ntp__strip *s, const float *row, int32_t column)
+static inline int32_t is_below(const ntp__strip *s, const float *row, int32_t column)
 {
     const int32_t half = (4 + column % 2) * NTP__RUN + column / 2;
     const int32_t z = s->halved ? half : 4 * column + 2;
