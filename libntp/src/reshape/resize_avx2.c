@@ -9,7 +9,7 @@
  * x/L are off by (1 + sqrt(3)) E/L at most.  The components are floats.  So the sum of their squares is
  * off by 3u, the root by 2.5u, the factor by 3.5u, and the quotient by 4.5u of itself besides, less than
  * 5u.  Components of 8 bit may be exact sums that were rounded once: then each of these is off by u more,
- * squares by 2u, and x by u, so the quotient is by 6.5u, less than 7u.
+ * squares by 2u, and x by u, so the quotient is by 6.5u, less than 7u.  Fused products round less often.
  */
 #include "base/inlining.h"
 #include "base/view.h"
@@ -70,9 +70,8 @@ static ALWAYS_INLINE void sum_whole(float *sums, const ntp__whole_weights *from,
         __m256 v[2];
         UNROLLED
         for (int32_t m = 0; m < 2; m++)
-            v[m] = _mm256_add_ps(
-                _mm256_cvtepi32_ps(p.high[m]),
-                _mm256_mul_ps(_mm256_cvtepi32_ps(p.low[m]), _mm256_set1_ps(0x1p-15F)));
+            v[m] = _mm256_fmadd_ps(_mm256_cvtepi32_ps(p.low[m]), _mm256_set1_ps(0x1p-15F),
+                                   _mm256_cvtepi32_ps(p.high[m]));
         _mm256_storeu_ps(sums + i, _mm256_permute2f128_ps(v[0], v[1], 0x20));
         _mm256_storeu_ps(sums + i + EIGHT, _mm256_permute2f128_ps(v[0], v[1], 0x31));
     }
@@ -126,7 +125,7 @@ void ntp__sum_rows_avx2(float *sums, const float *const *rows, const int32_t *we
                 __m256 v = _mm256_loadu_ps(a + k * EIGHT);
                 if (symmetric)
                     v = _mm256_add_ps(v, _mm256_loadu_ps(b + k * EIGHT));
-                sum[k] = _mm256_add_ps(sum[k], _mm256_mul_ps(w, v));
+                sum[k] = _mm256_fmadd_ps(w, v, sum[k]);
             }
         }
         UNROLLED
@@ -163,8 +162,8 @@ void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
         for (int32_t t = 0; t < taps; t += 2) {
             UNROLLED
             for (int32_t k = 0; k < FOUR; k++)
-                sum[k] = _mm256_add_ps(
-                    sum[k], _mm256_mul_ps(spread(w[k] + t), _mm256_loadu_ps(c[k] + 4 * t)));
+                sum[k] =
+                    _mm256_fmadd_ps(spread(w[k] + t), _mm256_loadu_ps(c[k] + 4 * t), sum[k]);
         }
         UNROLLED
         for (int32_t k = 0; k < FOUR; k++) {
@@ -199,9 +198,10 @@ void ntp__sum_halves_avx2(ntp__planes *out, float least[4], const float *sums, c
                 const __m256 w = _mm256_set1_ps(weight[t]);
                 UNROLLED
                 for (int32_t k = 0; k < FOUR; k++)
-                    sum[k] = _mm256_add_ps(
-                        sum[k], _mm256_mul_ps(w, _mm256_add_ps(_mm256_loadu_ps(a + EIGHT * k),
-                                                               _mm256_loadu_ps(b + EIGHT * k))));
+                    sum[k] = _mm256_fmadd_ps(w,
+                                             _mm256_add_ps(_mm256_loadu_ps(a + EIGHT * k),
+                                                           _mm256_loadu_ps(b + EIGHT * k)),
+                                             sum[k]);
             }
             UNROLLED
             for (int32_t k = 0; k < FOUR; k++) {
@@ -370,7 +370,7 @@ static ALWAYS_INLINE __m256i rounded(__m256 v, __m256 factor, __m256 error, __m2
     const __m256 a = _mm256_mul_ps(v, factor), sign = _mm256_set1_ps(-0.0F);
     const __m256 from =
         _mm256_sub_ps(a, _mm256_round_ps(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
-    const __m256 near = _mm256_add_ps(_mm256_mul_ps(_mm256_andnot_ps(sign, a), part), error);
+    const __m256 near = _mm256_fmadd_ps(_mm256_andnot_ps(sign, a), part, error);
     *doubt = _mm256_or_ps(*doubt, _mm256_cmp_ps(_mm256_andnot_ps(sign, from), near, _CMP_NGE_UQ));
     return _mm256_cvttps_epi32(_mm256_floor_ps(a));
 }
@@ -382,7 +382,7 @@ static ALWAYS_INLINE texels directions(const ntp__planes *p, int32_t i, __m256 e
     const __m256 x = _mm256_loadu_ps(p->c[0] + i), y = _mm256_loadu_ps(p->c[1] + i);
     const __m256 z = _mm256_loadu_ps(p->c[2] + i);
     const __m256 square =
-        _mm256_add_ps(_mm256_add_ps(_mm256_mul_ps(x, x), _mm256_mul_ps(y, y)), _mm256_mul_ps(z, z));
+        _mm256_fmadd_ps(z, z, _mm256_fmadd_ps(y, y, _mm256_mul_ps(x, x)));
     /* Changes no length but 0. */
     const __m256 factor =
         _mm256_div_ps(_mm256_set1_ps(deep ? 32767.5F : 127.5F),
