@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * resize_avx512.c - RGB of 8 bit as rows of runs, sums of such rows, and directions as packed RGB, with AVX-512
+ * resize_avx512.c - sums of whole rows, and directions as packed RGB of 8 bit, with AVX-512
  *
  * As resize_avx2.c does it.  Fused products only make errors smaller, so its bounds hold.
  */
@@ -10,49 +10,6 @@
 #include "texel/packed_avx512_tmpl.h"
 
 #include <string.h>
-
-bool ntp__place_halves_avx512(int16_t *to, bool *negative, const uint8_t *src, int32_t n,
-                              bool zzero)
-{
-    enum { STEP = 32 /* pixels */ };
-    static const uint8_t RED[STEP] = { 0,  6,  12, 18, 24, 30, 36, 42, 48, 54, 60,
-                                       66, 72, 78, 84, 90, 3,  9,  15, 21, 27, 33,
-                                       39, 45, 51, 57, 63, 69, 75, 81, 87, 93 };
-    const __m512i at = _mm512_cvtepu8_epi16(_mm256_loadu_si256((const void *) RED));
-    const __m512i zero = _mm512_setzero_si512(), ones = _mm512_set1_epi16(1);
-    const __m512i m = _mm512_set1_epi16(255);
-    __m512i any = m, all = zero, blue = m;
-    for (int32_t i = 0; i < n; i += STEP) {
-        const int32_t first = i + STEP < n ? i : n - STEP;
-        const uint8_t *s = src + 3 * first;
-        const __m512i v = _mm512_loadu_si512(s);
-        const __m512i u = _mm512_zextsi256_si512(_mm256_loadu_si256((const void *) (s + 64)));
-        int16_t *d = to + first / 2;
-        __m512i w[3], from = at;
-        UNROLLED
-        for (int32_t c = 0; c < 3; c++, d += 2 * NTP__RUN) {
-            w[c] = _mm512_maskz_permutex2var_epi8(0x5555555555555555, v, from, u);
-            from = _mm512_add_epi16(from, ones);
-            const __m512i twice = _mm512_sub_epi16(_mm512_add_epi16(w[c], w[c]), m);
-            const __m512i x = zzero && c == 2 ? w[c] : twice;
-            _mm256_storeu_si256((void *) d, _mm512_castsi512_si256(x));
-            _mm256_storeu_si256((void *) (d + NTP__RUN), _mm512_extracti64x4_epi64(x, 1));
-        }
-        const __m512i more = _mm512_or_si512(_mm512_or_si512(w[0], w[1]), w[2]);
-        const __m512i less = _mm512_and_si512(_mm512_and_si512(w[0], w[1]), w[2]);
-        any = _mm512_min_epu16(any, more);
-        all = _mm512_max_epu16(all, less);
-        blue = _mm512_min_epu16(blue, w[2]);
-    }
-    /* As in resize_avx2.c */
-    for (int32_t k = 0; k < 6; k++)
-        to[k * NTP__RUN + n / 2] = 0;
-    *negative = !zzero && _mm512_cmplt_epu16_mask(blue, _mm512_set1_epi16(128)) != 0;
-    const bool plain =
-        (_mm512_cmpeq_epi16_mask(any, zero) | _mm512_cmpeq_epi16_mask(all, m)) == 0;
-    end_lanes();
-    return plain;
-}
 
 /* 32 sums of two numbers */
 static inline __m512i load_both(const float *row, const float *other, int32_t i)

@@ -66,10 +66,6 @@ void ntp__add_whole_avx2(double *sums, const ntp__whole_weights *from, double sc
 bool ntp__place_halves_avx2(void *to, bool *negative, const void *src, int32_t n, bool deep,
                             bool zzero);
 
-/* The same with AVX-512, of 8 bit. */
-bool ntp__place_halves_avx512(int16_t *to, bool *negative, const uint8_t *src, int32_t n,
-                              bool zzero);
-
 /* Takes unused texels out of such runs, which become 0; are there any? */
 bool ntp__leave_out_halves_avx2(void *to, int32_t n, bool deep, bool zzero, uint32_t touch_unused);
 

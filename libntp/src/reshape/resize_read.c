@@ -76,13 +76,8 @@ static void place_row(const ntp__resize_job *j, char *to, bool *negative, bool *
     bool plain;
     if (s->halved && *holes)
         ntp__fill_halves_avx2(to, deep);
-#  ifdef NTP_HAVE_AVX512
-    if (s->halved && s->wide && !deep)
-        plain = ntp__place_halves_avx512((int16_t *) (void *) to, negative, from, n, zzero);
-    else
-#  endif
-        plain = s->halved ? ntp__place_halves_avx2(to, negative, from, n, deep, zzero)
-                          : ntp__place_rgb_avx2(to, negative, from, n, deep, zzero);
+    plain = s->halved ? ntp__place_halves_avx2(to, negative, from, n, deep, zzero)
+                      : ntp__place_rgb_avx2(to, negative, from, n, deep, zzero);
     *holes = !plain &&
              (s->halved ? ntp__leave_out_halves_avx2(to, n, deep, zzero, j->plan->how.touch_unused)
                         : leave_out(j, to, from, n));
