@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * resize_avx512.c - sums of whole rows, and directions as packed RGB of 8 bit, with AVX-512
+ * resize_avx512.c - sums of whole rows, exact sums of columns, and directions as packed RGB of 8 bit, with AVX-512
  *
  * As resize_avx2.c does it.  Fused products only make errors smaller, so its bounds hold.
  */
@@ -51,6 +51,33 @@ void ntp__sum_whole_avx512(float *sums, const ntp__whole_weights *from, int32_t 
                                    _mm512_cvtepi32_ps(high[k]));
         _mm512_storeu_ps(sums + i, _mm512_permutex2var_ps(v[0], first, v[1]));
         _mm512_storeu_ps(sums + i + LANES_512, _mm512_permutex2var_ps(v[0], second, v[1]));
+    }
+    end_lanes();
+}
+
+void ntp__sum_exactly_avx512(ntp__whole_sums *exact, ntp__planes *out, const double *sums,
+                             const double *weight, int32_t taps, int32_t first, int32_t n,
+                             int32_t planes)
+{
+    enum { EIGHT = 8 };
+    const __m512d upper = _mm512_set1_pd(0x1.8p72); /* as in resize_exact_avx2.c */
+    for (int32_t p = 0; p < planes; p++, sums += 2 * NTP__RUN) {
+        for (int32_t i = first; i < n; i += EIGHT) {
+            const double *a = sums + i, *b = a + NTP__RUN + taps / 2 - 1;
+            ptrdiff_t step = NTP__RUN;
+            __m512d high = _mm512_setzero_pd(), low = high;
+            for (int32_t t = 0; t < taps / 2; t++, a += step, b -= step, step = 1 - step) {
+                const __m512d w = _mm512_set1_pd(weight[t]);
+                const __m512d v = _mm512_add_pd(_mm512_loadu_pd(a), _mm512_loadu_pd(b));
+                const __m512d most = _mm512_sub_pd(_mm512_add_pd(v, upper), upper);
+                high = _mm512_fmadd_pd(w, most, high);
+                low = _mm512_fmadd_pd(w, _mm512_sub_pd(v, most), low);
+            }
+            const __m512d all = _mm512_mul_pd(_mm512_add_pd(high, low), _mm512_set1_pd(0x1p-31));
+            _mm512_storeu_pd(exact->high[p] + i, high);
+            _mm512_storeu_pd(exact->low[p] + i, low);
+            _mm256_storeu_ps(out->c[p] + i, _mm512_cvtpd_ps(all));
+        }
     }
     end_lanes();
 }

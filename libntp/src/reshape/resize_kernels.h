@@ -118,5 +118,8 @@ typedef struct ntp__whole_sums {
 void ntp__sum_exactly_avx2(ntp__whole_sums *exact, ntp__planes *out, const double *sums,
                            const double *weight, int32_t taps, int32_t first, int32_t n,
                            int32_t planes);
+void ntp__sum_exactly_avx512(ntp__whole_sums *exact, ntp__planes *out, const double *sums,
+                             const double *weight, int32_t taps, int32_t first, int32_t n,
+                             int32_t planes);
 
 #endif

@@ -181,6 +181,12 @@ static void find_sources(const ntp__resize_job *j, sources *from, int32_t y)
 }
 
 #ifdef NTP_HAVE_AVX2
+#  ifdef NTP_HAVE_AVX512
+#    define PICK(s, function) ((s)->wide ? function##_avx512 : function##_avx2)
+#  else
+#    define PICK(s, function) function##_avx2
+#  endif
+
 /* The weights of whole rows, times scale. */
 static void split_weights(ntp__whole_weights *to, const sources *from, double scale)
 {
@@ -297,11 +303,7 @@ static float sum_in_floats(const ntp__resize_job *j, ntp__planes *p, float least
     if (s->whole) {
         ntp__whole_weights to;
         split_weights(&to, from, y->scale * (from->symmetric ? 0x1p29 : 0x1p28));
-#  ifdef NTP_HAVE_AVX512
-        (s->wide ? ntp__sum_whole_avx512 : ntp__sum_whole_avx2)(s->sums_in_float, &to, count);
-#  else
-        ntp__sum_whole_avx2(s->sums_in_float, &to, count);
-#  endif
+        PICK(s, ntp__sum_whole)(s->sums_in_float, &to, count);
     } else
         ntp__sum_rows_avx2(s->sums_in_float, from->rows, from->weight, (float) y->scale, from->taps,
                            from->symmetric, count);
@@ -387,15 +389,16 @@ static int32_t settle_halves(const ntp__resize_job *j, ntp__planes *p, const ntp
     int32_t done = 0;
     split_weights(&weights, from, 1);
     for (int32_t k = 0; k < found;) {
-        const int32_t first = at[k] / EIGHT * EIGHT;
+        const int32_t first = at[k] & -EIGHT;
         int32_t end = first + EIGHT, left[WIDEST];
         for (; k < found && at[k] < end + EIGHT; k++)
-            end = (at[k] / EIGHT + 1) * EIGHT;
+            end = (at[k] & -EIGHT) + EIGHT;
         end = end < s->n ? end : s->n;
         for (int32_t run = 0; run < 2 * planes; run++)
             ntp__add_whole_avx2(s->sums, &weights, 1, run * NTP__RUN + first,
                                 end - first + s->taps_x / 2);
-        ntp__sum_exactly_avx2(&exact, p, s->sums, s->weight, s->taps_x, first, end, planes);
+        PICK(s, ntp__sum_exactly)
+        (&exact, p, s->sums, s->weight, s->taps_x, first, end, planes);
         judge_planes(j, p, marks, any, 0, first, end);
         const int32_t n = pack_directions(j, left, p, y, first, end, 0);
         for (int32_t i = 0; i < n; i++)
