@@ -122,6 +122,22 @@ def test_sums_that_are_0_or_nearly_so(size, m):
         assert got == [[t for t, _ in row] for row in want], filter
 
 
+@pytest.mark.parametrize("color", [0, None])
+def test_short_vectors_among_unused_texels(color):
+    """Of 8 bit and halved: what floats cannot decide, up to sums of no weight and of no length."""
+    rng = np.random.default_rng(3)
+    src = rng.integers(126, 130, (14, 90, 3)).astype(np.uint8)
+    if color is None:
+        src[:, 1::2] = 255 - src[:, ::2]
+        src[:, 60:] = src[:, 29::-1] // 2 * 2 + 1
+    else:
+        src[rng.random((14, 90)) < 0.6] = color
+        src[:, 50:70] = color
+    got = resize(src, (45, 7), LANCZOS3, WRAP).tolist()
+    want = resize_by_model(src.tolist(), 255, (45, 7), LANCZOS3, (WRAP, WRAP), "standard")
+    assert got == [[t for t, _ in row] for row in want]
+
+
 @pytest.mark.parametrize("m", TYPES)
 @pytest.mark.parametrize("width", [24, 6, 12, 9])
 def test_rows_of_no_weight_do_not_decide_whether_lanczos_overshot(width, m):

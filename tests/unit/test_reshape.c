@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * test_reshape.c - turned and resized pictures are the same with and without AVX2
+ * test_reshape.c - turned and resized pictures are the same with and without AVX2 and AVX-512
  *
  * The bytes of a picture end or begin at a guard page.
  */
 #include "guarded.h"
 #include "without_avx2.h"
+#include "without_avx512.h"
 #include "libntp.h"
 
 #include <string.h>
 
-enum { SKIPPED = 77, SMALL = 20 };
+enum { SKIPPED = 77, SMALL = 20, SETS = 3 /* of instructions */ };
 
 typedef struct picture {
     guarded memory;
@@ -108,6 +109,24 @@ static void fill_steep(picture *p, uint64_t *seed)
     }
 }
 
+/* Vectors of a few levels; `opposite`: those of odd columns undo those beside them, else some are unused. */
+static void fill_short(picture *p, bool opposite, uint64_t *seed)
+{
+    const int32_t m = p->view.type == NTP_TYPE_U16 ? 65535 : 255;
+    for (int32_t y = 0; y < p->view.height; y++) {
+        int32_t c[3] = { 0, 0, 0 };
+        for (int32_t x = 0; x < p->view.width; x++) {
+            const uint64_t bits = random_bits(seed);
+            const bool undone = opposite && x % 2 != 0 && bits % 50 != 0;
+            for (int32_t k = 0; k < 3; k++) {
+                c[k] = undone ? m - c[k] : m / 2 + (int32_t) (random_bits(seed) % 4) - 1;
+                c[k] = !opposite && bits % 8 < 3 ? (bits & 1 ? m : 0) : c[k];
+                put(p, x, y, k, c[k]);
+            }
+        }
+    }
+}
+
 static void compare(const picture *one, const picture *two)
 {
     CHECK(memcmp(one->memory.data, two->memory.data, bytes_of(one)) == 0);
@@ -173,19 +192,22 @@ typedef struct sizes {
     int32_t from[2], to[2];
 } sizes;
 
-enum { STEEP = -5, STRIPES = -4, SPOTS = -1 }; /* instead of how rough: stripes of x, y, z */
+/* Instead of how rough; there are stripes of x, y, z. */
+enum { OPPOSITE = -7, SHORT, STEEP, STRIPES, SPOTS = -1 };
 
 static void compare_sizes(const sizes *s, int32_t kind, int32_t rough, int32_t unused,
                           uint64_t *seed)
 {
     const ntp_type type = kind & 1 ? NTP_TYPE_U16 : NTP_TYPE_U8;
-    picture src = make(s->from[0], s->from[1], 3, type, kind & 2), made[2];
+    picture src = make(s->from[0], s->from[1], 3, type, kind & 2), made[SETS];
     if (rough >= 0)
         fill(&src, rough, unused, seed);
     else if (rough == SPOTS)
         fill_spots(&src, seed);
     else if (rough == STEEP)
         fill_steep(&src, seed);
+    else if (rough < STEEP)
+        fill_short(&src, rough == OPPOSITE, seed);
     else
         fill_stripes(&src, rough - STRIPES, seed);
     src.view.encoding = kind & 4 ? NTP_ENCODING_ZZERO : NTP_ENCODING_STANDARD;
@@ -193,15 +215,17 @@ static void compare_sizes(const sizes *s, int32_t kind, int32_t rough, int32_t u
     for (int32_t filter = NTP_FILTER_TRIANGLE; filter <= NTP_FILTER_LANCZOS3; filter++) {
         const ntp_border border = kind & 2 ? NTP_BORDER_WRAP : NTP_BORDER_MIRROR;
         const ntp_resize_options how = { (ntp_filter) filter, border, border, 0 };
-        for (int32_t k = 0; k < 2; k++) {
+        for (int32_t k = 0; k < SETS; k++) {
             made[k] = make(s->to[0], s->to[1], 3, type, kind & 2);
             made[k].view.encoding = src.view.encoding;
             allowed = k != 0;
+            allowed_512 = k > 1;
             resize(&made[k].view, &from, &how);
         }
         compare(&made[0], &made[1]);
-        guarded_free(&made[0].memory);
-        guarded_free(&made[1].memory);
+        compare(&made[0], &made[2]);
+        for (int32_t k = 0; k < SETS; k++)
+            guarded_free(&made[k].memory);
     }
     guarded_free(&src.memory);
 }
@@ -225,8 +249,23 @@ static void resizes(uint64_t *seed)
             compare_sizes(&SIZES[i], kind, 5, 0, seed);
             compare_sizes(&SIZES[i], kind, 1, 10, seed);
             compare_sizes(&SIZES[i], kind, 0, 0, seed);
-            for (int32_t special = STEEP; special <= SPOTS; special++)
+            for (int32_t special = OPPOSITE; special <= SPOTS; special++)
                 compare_sizes(&SIZES[i], kind, special, 0, seed);
+        }
+    }
+}
+
+/* Halved: up to one strip and some, which sums of whole rows make. */
+static void all_widths(uint64_t *seed)
+{
+    for (int32_t width = 30; width < 150; width++) {
+        const sizes half = { { 2 * width, 10 }, { width, 5 } },
+                    third = { { 2 * width, 9 }, { width, 3 } };
+        for (int32_t kind = 0; kind < 6; kind += 2) {
+            compare_sizes(&half, kind, 100, width % 3 * 10, seed);
+            compare_sizes(&half, kind, SHORT, 0, seed);
+            compare_sizes(&half, kind, OPPOSITE, 0, seed);
+            compare_sizes(&third, kind, OPPOSITE, 0, seed);
         }
     }
 }
@@ -239,5 +278,6 @@ int main(void)
         return SKIPPED;
     turns(&seed);
     resizes(&seed);
+    all_widths(&seed);
     return 0;
 }

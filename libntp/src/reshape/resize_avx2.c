@@ -63,7 +63,8 @@ static ALWAYS_INLINE both_parts sum_parts(const ntp__whole_weights *from, int32_
     return p;
 }
 
-static ALWAYS_INLINE void sum_whole(float *sums, const ntp__whole_weights *from, int32_t n, int32_t count)
+static ALWAYS_INLINE void sum_whole(float *sums, const ntp__whole_weights *from, int32_t n,
+                                    int32_t count)
 {
     for (int32_t i = 0; i < count; i += 2 * EIGHT) {
         const both_parts p = sum_parts(from, n, i);
@@ -162,8 +163,7 @@ void ntp__sum_columns_avx2(ntp__planes *out, float least[4], const float *sums,
         for (int32_t t = 0; t < taps; t += 2) {
             UNROLLED
             for (int32_t k = 0; k < FOUR; k++)
-                sum[k] =
-                    _mm256_fmadd_ps(spread(w[k] + t), _mm256_loadu_ps(c[k] + 4 * t), sum[k]);
+                sum[k] = _mm256_fmadd_ps(spread(w[k] + t), _mm256_loadu_ps(c[k] + 4 * t), sum[k]);
         }
         UNROLLED
         for (int32_t k = 0; k < FOUR; k++) {
@@ -250,7 +250,7 @@ typedef struct color_range {
 
 /* Numbers of the even texels (odd = 0) or odd ones of a color, w or 2w - M. */
 static ALWAYS_INLINE void place_half(void *to, __m256i w, int32_t odd, __m256i twice, __m256i less,
-                              bool deep)
+                                     bool deep)
 {
     if (deep) {
         const __m256i e =
@@ -265,7 +265,8 @@ static ALWAYS_INLINE void place_half(void *to, __m256i w, int32_t odd, __m256i t
 }
 
 /* 32 pixels, or 16 (deep) */
-static ALWAYS_INLINE void place_halves(char *to, const uint8_t *s, color_range *r, bool deep, bool zzero)
+static ALWAYS_INLINE void place_halves(char *to, const uint8_t *s, color_range *r, bool deep,
+                                       bool zzero)
 {
     const ptrdiff_t size = 2 * NTP__RUN * (deep ? sizeof(float) : sizeof(int16_t));
     const __m256i v[3] = { load_two(s, s + 48), load_two(s + 16, s + 64),
@@ -289,7 +290,7 @@ static ALWAYS_INLINE void place_halves(char *to, const uint8_t *s, color_range *
 }
 
 static ALWAYS_INLINE bool place_all_halves(char *to, bool *negative, const uint8_t *s, int32_t n,
-                                    bool deep, bool zzero)
+                                           bool deep, bool zzero)
 {
     const int32_t step = deep ? 16 : 32, size = deep ? 6 : 3, number = deep ? 4 : 2;
     const __m256i zero = _mm256_setzero_si256(), ones = _mm256_set1_epi8(-1);
@@ -365,7 +366,8 @@ void ntp__fill_halves_avx2(void *to, bool deep)
 
 /* Levels of v over the length, less that of 0; adds to *doubt, which says where they may be wrong: by `part` of
  * themselves, and by `error`. */
-static ALWAYS_INLINE __m256i rounded(__m256 v, __m256 factor, __m256 error, __m256 part, __m256 *doubt)
+static ALWAYS_INLINE __m256i rounded(__m256 v, __m256 factor, __m256 error, __m256 part,
+                                     __m256 *doubt)
 {
     const __m256 a = _mm256_mul_ps(v, factor), sign = _mm256_set1_ps(-0.0F);
     const __m256 from =
@@ -381,8 +383,7 @@ static ALWAYS_INLINE texels directions(const ntp__planes *p, int32_t i, __m256 e
 {
     const __m256 x = _mm256_loadu_ps(p->c[0] + i), y = _mm256_loadu_ps(p->c[1] + i);
     const __m256 z = _mm256_loadu_ps(p->c[2] + i);
-    const __m256 square =
-        _mm256_fmadd_ps(z, z, _mm256_fmadd_ps(y, y, _mm256_mul_ps(x, x)));
+    const __m256 square = _mm256_fmadd_ps(z, z, _mm256_fmadd_ps(y, y, _mm256_mul_ps(x, x)));
     /* Changes no length but 0. */
     const __m256 factor =
         _mm256_div_ps(_mm256_set1_ps(deep ? 32767.5F : 127.5F),
@@ -409,8 +410,9 @@ static ALWAYS_INLINE texels directions(const ntp__planes *p, int32_t i, __m256 e
 }
 
 /* Places in doubt may lie beyond the last texel; no pixel is written there. */
-static ALWAYS_INLINE int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes *p, int32_t first,
-                                      int32_t n, float error, bool deep, bool zzero)
+static ALWAYS_INLINE int32_t pack_directions(uint8_t *d, int32_t *at, const ntp__planes *p,
+                                             int32_t first, int32_t n, float error, bool deep,
+                                             bool zzero)
 {
     const __m256 off = _mm256_set1_ps(3 * error); /* 1 + sqrt(3), with some room */
     const int32_t size = deep ? 6 : 3;

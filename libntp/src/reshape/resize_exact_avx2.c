@@ -35,9 +35,8 @@ void ntp__sum_exactly_avx2(ntp__whole_sums *exact, ntp__planes *out, const doubl
             }
             _mm256_storeu_pd(exact->high[p] + i, high);
             _mm256_storeu_pd(exact->low[p] + i, low);
-            _mm_storeu_ps(out->c[p] + i,
-                          _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_add_pd(high, low),
-                                                        _mm256_set1_pd(0x1p-31))));
+            _mm_storeu_ps(out->c[p] + i, _mm256_cvtpd_ps(_mm256_mul_pd(_mm256_add_pd(high, low),
+                                                                       _mm256_set1_pd(0x1p-31))));
         }
     }
 }
@@ -83,9 +82,9 @@ void ntp__judge_planes_avx2(ntp__planes *p, const ntp__plane_marks *marks, float
             const __m256 w = _mm256_loadu_ps(p->c[3] + i), few = _mm256_cmp_ps(w, most, _CMP_LE_OQ);
             const __m256i none = _mm256_cmpeq_epi32(_mm256_castps_si256(eight_of(marks->used + i)),
                                                     _mm256_setzero_si256());
-            const __m256 sure = _mm256_or_ps(
-                _mm256_or_ps(all, _mm256_castsi256_ps(none)),
-                _mm256_cmp_ps(w, _mm256_sub_ps(zero, most), _CMP_LT_OQ));
+            const __m256 sure =
+                _mm256_or_ps(_mm256_or_ps(all, _mm256_castsi256_ps(none)),
+                             _mm256_cmp_ps(w, _mm256_sub_ps(zero, most), _CMP_LT_OQ));
             empty = _mm256_and_ps(few, sure);
             unsure = few;
         }

@@ -132,7 +132,8 @@ static inline bool is_middle_below(const ntp__strip *s, const float *const *rows
 }
 
 /* Does a texel that texel i of row y is made of have a negative z? */
-ONE_COPY static bool any_negative(const ntp__resize_job *j, const float *const *rows, int32_t i, int32_t y)
+ONE_COPY static bool any_negative(const ntp__resize_job *j, const float *const *rows, int32_t i,
+                                  int32_t y)
 {
     const ntp__strip *s = j->strip;
     const ntp__axis *axis = &j->plan->y;
@@ -324,8 +325,9 @@ typedef struct judged {
 
 /* Of texels first.. to n - 1: those that are made of unused ones, or whose z is negative; makes red of the uncertain a
  * NaN.  `marks` are there where `any` is given. */
-ONE_COPY static void judge_planes(const ntp__resize_job *j, ntp__planes *p, const ntp__plane_marks *marks,
-                         const judged *any, float error, int32_t first, int32_t n)
+ONE_COPY static void judge_planes(const ntp__resize_job *j, ntp__planes *p,
+                                  const ntp__plane_marks *marks, const judged *any, float error,
+                                  int32_t first, int32_t n)
 {
     if (any->below || any->holes)
         ntp__judge_planes_avx2(p, marks, (float) j->m, error, any->holes, first, n);
@@ -377,9 +379,9 @@ static void put_exactly(const ntp__resize_job *j, const ntp__whole_sums *exact,
 
 /* The texels in doubt, at[0].., of whole rows that are runs, with all others of the same eight; returns how many are
  * done.  Where pairs of rows are the same one, sums are twice as great, which changes no direction. */
-static int32_t settle_halves(const ntp__resize_job *j, ntp__planes *p, const ntp__plane_marks *marks,
-                          const judged *any, const sources *from, const int32_t *at, int32_t found,
-                          int32_t y)
+static int32_t settle_halves(const ntp__resize_job *j, ntp__planes *p,
+                             const ntp__plane_marks *marks, const judged *any, const sources *from,
+                             const int32_t *at, int32_t found, int32_t y)
 {
     enum { EIGHT = 8 };
     ntp__strip *s = j->strip;
