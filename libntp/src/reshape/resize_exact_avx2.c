@@ -10,6 +10,8 @@
  */
 #include "reshape/resize_kernels.h"
 
+#include "base/lanes_avx2.h"
+
 #include <immintrin.h>
 #include <stdbool.h>
 
@@ -39,6 +41,7 @@ void ntp__sum_exactly_avx2(ntp__whole_sums *exact, ntp__planes *out, const doubl
                                                                        _mm256_set1_pd(0x1p-31))));
         }
     }
+    end_lanes();
 }
 
 void ntp__any_of_halves_avx2(int16_t *to, const float *const *rows, const int32_t *weight,
@@ -62,6 +65,7 @@ void ntp__any_of_halves_avx2(int16_t *to, const float *const *rows, const int32_
             v = _mm256_or_si256(v, _mm256_loadu_si256((const void *) (any + i + k)));
         _mm256_storeu_si256((void *) (to + i), v);
     }
+    end_lanes();
 }
 
 static inline __m256 eight_of(const int16_t *from)
@@ -99,4 +103,5 @@ void ntp__judge_planes_avx2(ntp__planes *p, const ntp__plane_marks *marks, float
         _mm256_storeu_ps(p->c[1] + i, _mm256_blendv_ps(y, one, empty));
         _mm256_storeu_ps(p->c[0] + i, _mm256_or_ps(_mm256_blendv_ps(x, one, empty), unsure));
     }
+    end_lanes();
 }

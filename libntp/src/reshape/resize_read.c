@@ -5,7 +5,7 @@
  * With AVX2, packed pixels are read in one run.  Where columns lie outside, their pixels are copied
  * to one place first.
  */
-#include "base/cpu.h"
+#include "base/inlining.h"
 #include "base/rgb_avx2.h"
 #include "reshape/resize_strip.h"
 #include "texel/level.h"
@@ -175,4 +175,43 @@ ntp__strip_row ntp__strip_rows(const ntp__resize_job *j, const float **rows, int
     }
     fetch_ahead(j, y);
     return any;
+}
+
+/* 1: the z of a column is negative. */
+static inline int32_t is_below(const ntp__strip *s, const float *row, int32_t column)
+{
+    const int32_t half = (4 + column % 2) * NTP__RUN + column / 2;
+    const int32_t z = s->halved ? half : 4 * column + 2;
+    return s->whole ? ((const int16_t *) (const void *) row)[z] < 0 : row[z] < 0;
+}
+
+/* The same of four texels in the middle, one of which mostly is where z of the result is: a search would end
+ * somewhere, which no processor foresees. */
+static inline bool is_middle_below(const ntp__strip *s, const float *const *rows,
+                                   const int32_t *weight, int32_t taps, int32_t i, int32_t columns)
+{
+    const int32_t t = taps / 2, k = columns / 2;
+    if (t == 0 || k == 0 || weight[t - 1] == 0 || weight[t] == 0)
+        return false;
+    const int32_t column = s->at[i] + k;
+    return is_below(s, rows[t - 1], column - 1) | is_below(s, rows[t - 1], column) |
+           is_below(s, rows[t], column - 1) | is_below(s, rows[t], column);
+}
+
+SELDOM bool ntp__strip_any_negative(const ntp__resize_job *j, const float *const *rows, int32_t i,
+                                    int32_t y)
+{
+    const ntp__strip *s = j->strip;
+    const ntp__axis *axis = &j->plan->y;
+    const int32_t *weight = axis->weight + (ptrdiff_t) y * axis->stride;
+    const int32_t columns = j->plan->x.span[s->x0 + i].count, taps = axis->span[y].count;
+    if (is_middle_below(s, rows, weight, taps, i, columns))
+        return true;
+    for (int32_t t = 0; t < taps; t++) {
+        for (int32_t k = 0; weight[t] != 0 && k < columns; k++) {
+            if (is_below(s, rows[t], s->at[i] + k))
+                return true;
+        }
+    }
+    return false;
 }

@@ -8,7 +8,8 @@
  * well.
  *
  * With AVX2 packed pixels are made of sums in floats where these are exact, as they mostly are for
- * sides of mip levels.  Those of 8 bit are so anyway; what cannot be decided is summed in doubles.
+ * sides of mip levels.  Those of 8 bit are so anyway; what cannot be decided is summed in doubles.  Where
+ * the width is halved, all eight texels around it are summed exactly instead (resize_exact_avx2.c).
  *
  * How far such sums are off, where u = 2^-24: a weight and its product are rounded, and so is each
  * sum of terms.  With k terms for the rows and l for the columns, of which every other one is added
@@ -110,46 +111,6 @@ int32_t ntp__strip_begin(const ntp__resize_job *j, int32_t x0, int32_t x1)
     return end;
 }
 
-/* 1: the z of a column is negative. */
-static inline int32_t is_below(const ntp__strip *s, const float *row, int32_t column)
-{
-    const int32_t half = (4 + column % 2) * NTP__RUN + column / 2;
-    const int32_t z = s->halved ? half : 4 * column + 2;
-    return s->whole ? ((const int16_t *) (const void *) row)[z] < 0 : row[z] < 0;
-}
-
-/* The same of four texels in the middle, one of which mostly is where z of the result is: a search would end
- * somewhere, which no processor foresees. */
-static inline bool is_middle_below(const ntp__strip *s, const float *const *rows,
-                                   const int32_t *weight, int32_t taps, int32_t i, int32_t columns)
-{
-    const int32_t t = taps / 2, k = columns / 2;
-    if (t == 0 || k == 0 || weight[t - 1] == 0 || weight[t] == 0)
-        return false;
-    const int32_t column = s->at[i] + k;
-    return is_below(s, rows[t - 1], column - 1) | is_below(s, rows[t - 1], column) |
-           is_below(s, rows[t], column - 1) | is_below(s, rows[t], column);
-}
-
-/* Does a texel that texel i of row y is made of have a negative z? */
-ONE_COPY static bool any_negative(const ntp__resize_job *j, const float *const *rows, int32_t i,
-                                  int32_t y)
-{
-    const ntp__strip *s = j->strip;
-    const ntp__axis *axis = &j->plan->y;
-    const int32_t *weight = axis->weight + (ptrdiff_t) y * axis->stride;
-    const int32_t columns = j->plan->x.span[s->x0 + i].count, taps = axis->span[y].count;
-    if (is_middle_below(s, rows, weight, taps, i, columns))
-        return true;
-    for (int32_t t = 0; t < taps; t++) {
-        for (int32_t k = 0; weight[t] != 0 && k < columns; k++) {
-            if (is_below(s, rows[t], s->at[i] + k))
-                return true;
-        }
-    }
-    return false;
-}
-
 /* So it is where the sides are halved. */
 static bool is_symmetric(const int32_t *weight, int32_t taps)
 {
@@ -225,7 +186,7 @@ static void sum_in_doubles(ntp__strip *s, const sources *from, int32_t first, in
 static bool overshot(const ntp__resize_job *j, const sources *from, int32_t i, int32_t y)
 {
     return j->plan->how.filter == NTP_FILTER_LANCZOS3 &&
-           !(from->any.negative && any_negative(j, from->rows, i, y));
+           !(from->any.negative && ntp__strip_any_negative(j, from->rows, i, y));
 }
 
 /*
@@ -355,7 +316,7 @@ static judged mark_texels(const ntp__resize_job *j, ntp__plane_marks *marks, con
         ntp__any_of_halves_avx2(marks->below, from->rows, from->weight, from->taps, s->taps_x / 2,
                                 Z, s->n);
     for (int32_t i = 0; !runs && i < s->n; i++)
-        marks->below[i] = p->c[2][i] < 0 && any_negative(j, from->rows, i, y) ? -1 : 0;
+        marks->below[i] = p->c[2][i] < 0 && ntp__strip_any_negative(j, from->rows, i, y) ? -1 : 0;
     return any;
 }
 

@@ -52,4 +52,8 @@ void ntp__strip_forget(ntp__strip *s);
 /* The rows of row y of the result. */
 ntp__strip_row ntp__strip_rows(const ntp__resize_job *j, const float **rows, int32_t y);
 
+/* Does a texel that texel i of row y is made of have a negative z?  `rows` are those of row y. */
+bool ntp__strip_any_negative(const ntp__resize_job *j, const float *const *rows, int32_t i,
+                             int32_t y);
+
 #endif
