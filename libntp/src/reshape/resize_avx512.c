@@ -135,14 +135,17 @@ int32_t ntp__pack_directions_avx512(uint8_t *d, int32_t *at, const ntp__planes *
     const __m512 off = _mm512_set1_ps(3 * error); /* 1 + sqrt(3), with some room */
     int32_t found = 0;
     for (int32_t i = first; i < n; i += LANES_512) {
-        const int32_t some = n - i < LANES_512 ? n - i : LANES_512;
+        const bool last = n - i < LANES_512;
         uint8_t few[3 * LANES_512], *to = d + 3 * i;
         __mmask16 doubt;
         const texels t = directions(p, i, off, &doubt);
-        put8(some < LANES_512 ? few : to, t);
-        if (some < LANES_512)
-            memcpy(to, few, 3 * (size_t) some);
-        for (uint32_t left = doubt & ((1U << some) - 1); left != 0; left &= left - 1)
+        uint32_t left = doubt;
+        put8(last ? few : to, t);
+        if (last) {
+            memcpy(to, few, (size_t) (3 * (n - i)));
+            left &= (1U << (n - i)) - 1;
+        }
+        for (; left != 0; left &= left - 1)
             at[found++] = i + __builtin_ctz(left);
     }
     end_lanes();
