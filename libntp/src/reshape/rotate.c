@@ -4,30 +4,17 @@
  *
  * A texel of the result is made from the four texels around the place that the turn takes to its
  * center.  Their vectors are summed with bilinear weights, turned like the picture, and only the
- * direction of the result is rounded to levels.  Everything is in integers: sines have 30 bits,
+ * direction of the result is rounded to levels.  Integers say what that is: sines have 30 bits,
  * places 15 bits after the point, so a weight has 30, and a sum of levels times alpha fits in 64.
+ * (rotate_runs.c has the same by doubles, where these are sure of it.)
  */
-#include "reshape/rotate.h"
-#include "stencil/border.h"
+#include "reshape/rotation.h"
 #include "texel/level.h"
 #include "texel/unused.h"
 
-enum {
-    PLACE_BITS = 15,
-    ONE_TEXEL = 1 << PLACE_BITS,
-    STRENGTH_ROOM = 60 /* bits of a vector, so that a strength fits beside them */
-};
+enum { STRENGTH_ROOM = 60 /* bits of a vector, so that a strength fits beside them */ };
 
-typedef struct job {
-    const ntp_image *dst;
-    const ntp_const_image *src;
-    const ntp_transform_options *how;
-    ntp__strength strength;
-    ntp__turn turn;
-    ntp_part part;
-    int32_t m;
-    bool extra; /* the third sample is no component of a vector */
-} job;
+typedef ntp__rotation job;
 
 /* ------------------------------------------------------------------------------ angles */
 
@@ -88,17 +75,19 @@ typedef struct sums {
 } sums;
 
 /* Adds one of the four texels. */
-static void add_texel(const job *j, sums *s, int32_t x, int32_t y, int64_t w)
+static void add_texel(const job *j, sums *s, ptrdiff_t at, int64_t w)
 {
     ntp__block one;
     int32_t v[3];
+    ntp_const_image view = *j->src;
+    view.data = (const char *) view.data + at;
     if (w == 0)
         return;
-    ntp__unpack(&one, j->src, x, y, 1);
+    ntp__unpack(&one, &view, 0, 0, 1);
     s->alpha += w * one.c[3][0];
     if (ntp__texel_unused(&one, 0, j->m, j->how->touch_unused))
         return;
-    if (j->src->channels == 4 && !(j->how->touch_unused & NTP_UNUSED_TRANSPARENT))
+    if (j->by_alpha)
         w *= one.c[3][0];
     ntp__texel_vector(v, &one, 0, j->m, j->src->encoding);
     s->v[0] += w * (j->how->flip_x ? -v[0] : v[0]);
@@ -108,45 +97,13 @@ static void add_texel(const job *j, sums *s, int32_t x, int32_t y, int64_t w)
     s->extra += w * one.c[2][0];
 }
 
-/* Where index i of the picture lies in src, of n texels that begin at `first`. */
-static int32_t inside(const job *j, int64_t i, ntp_border border, int32_t side, int32_t first,
-                      int32_t n)
+/* The four texels around place i. */
+static sums around(const job *j, const ntp__places *p, int32_t i)
 {
-    if (j->how->part != NULL)
-        i = i - first < 0 ? 0 : i - first < n ? i - first : n - 1;
-    else if (i < 0 || i >= side)
-        i = ntp__border_map(border, (int32_t) i, side).index[0];
-    return (int32_t) i;
-}
-
-static int64_t floor_shift(int64_t a, int32_t bits)
-{
-    int64_t unit = (int64_t) 1 << bits;
-    return (a - ((a % unit + unit) % unit)) / unit;
-}
-
-/* The four texels around the place of texel (x, y) of the picture. */
-static sums around(const job *j, int32_t x, int32_t y)
-{
-    const ntp_part *p = &j->part;
-    /* Twice the way from the center, which is turned back. */
-    int64_t u = 2 * (int64_t) x + 1 - p->width, v = 2 * (int64_t) y + 1 - p->height;
-    int64_t s = j->turn.cosine * u + j->turn.sine * v, t = j->turn.cosine * v - j->turn.sine * u;
-    s = (j->how->flip_x ? -s : s) + (p->width - (int64_t) 1) * ((int64_t) 1 << NTP__UNIT_BITS);
-    t = (j->how->flip_y ? -t : t) + (p->height - (int64_t) 1) * ((int64_t) 1 << NTP__UNIT_BITS);
-    const int32_t drop = NTP__UNIT_BITS + 1 - PLACE_BITS;
-    s = floor_shift(s + ((int64_t) 1 << (drop - 1)), drop);
-    t = floor_shift(t + ((int64_t) 1 << (drop - 1)), drop);
-    int64_t column = floor_shift(s, PLACE_BITS), row = floor_shift(t, PLACE_BITS);
-    int64_t right = s - column * ONE_TEXEL, below = t - row * ONE_TEXEL;
     sums sum = { { 0, 0, 0 }, 0, 0, 0 };
     for (int32_t k = 0; k < 4; k++) {
-        int32_t at_x =
-            inside(j, column + k % 2, j->how->border_x, p->width, p->src_x, j->src->width);
-        int32_t at_y =
-            inside(j, row + k / 2, j->how->border_y, p->height, p->src_y, j->src->height);
-        add_texel(j, &sum, at_x, at_y,
-                  (k % 2 ? right : ONE_TEXEL - right) * (k / 2 ? below : ONE_TEXEL - below));
+        const double share = p->share[0][k % 2][i] * p->share[1][k / 2][i];
+        add_texel(j, &sum, p->at[0][k % 2][i] + p->at[1][k / 2][i], (int64_t) (share * 0x1p30));
     }
     return sum;
 }
@@ -157,9 +114,9 @@ static ntp__i128 turned(int64_t a, int64_t by_a, int64_t b, int64_t by_b)
                          ntp__i128_multiply(ntp__i128_of(b), by_b));
 }
 
-static void rotate_texel(const job *j, ntp__block *out, int32_t i, int32_t x, int32_t y)
+void ntp__rotate_texel(const job *j, ntp__block *out, const ntp__places *p, int32_t i)
 {
-    const sums s = around(j, x, y);
+    const sums s = around(j, p, i);
     /* With green down y counts down, as rows do, and the turn is that of the picture. */
     int64_t sine = j->src->y == NTP_Y_DOWN ? -j->turn.sine : j->turn.sine;
     ntp__i128 v[3] = { turned(s.v[0], j->turn.cosine, s.v[1], sine),
@@ -171,7 +128,7 @@ static void rotate_texel(const job *j, ntp__block *out, int32_t i, int32_t x, in
     v[1] = ntp__i128_multiply(v[1], j->strength.numerator);
     v[2] = ntp__i128_shift(v[2], j->strength.shift);
     ntp__direction_levels(c, v, j->m, j->src->encoding);
-    const int64_t one = (int64_t) 1 << (2 * PLACE_BITS);
+    const int64_t one = (int64_t) 1 << (2 * NTP__PLACE_BITS);
     const bool none = s.weight == 0;
     if (j->extra && !none)
         c[2] = (int32_t) ((2 * s.extra + s.weight) / (2 * s.weight));
@@ -179,27 +136,4 @@ static void rotate_texel(const job *j, ntp__block *out, int32_t i, int32_t x, in
         out->c[k][i] = c[k];
     const bool clear = none && !(j->how->touch_unused & NTP_UNUSED_TRANSPARENT);
     out->c[3][i] = clear ? 0 : (int32_t) ((2 * s.alpha + one) / (2 * one));
-}
-
-void ntp__rotate(const ntp_image *dst, const ntp_const_image *src, const ntp_transform_options *how,
-                 ntp__strength strength, int64_t ticks, const ntp_rect *area)
-{
-    const ntp_part whole = { src->width, src->height, 0, 0, 0, 0 };
-    const job j = { .dst = dst,
-                    .src = src,
-                    .how = how,
-                    .strength = strength,
-                    .turn = ntp__turn_of(ticks),
-                    .part = how->part != NULL ? *how->part : whole,
-                    .m = ntp__max(src->type),
-                    .extra = src->encoding == NTP_ENCODING_XY && src->channels >= 3 };
-    ntp__block out;
-    for (int32_t y = area->y0; y < area->y1; y++) {
-        for (int32_t x = area->x0; x < area->x1; x += NTP__BLOCK) {
-            const int32_t n = area->x1 - x < NTP__BLOCK ? area->x1 - x : NTP__BLOCK;
-            for (int32_t i = 0; i < n; i++)
-                rotate_texel(&j, &out, i, x + i + j.part.dst_x, y + j.part.dst_y);
-            ntp__store_levels(dst, &out, x, y, n);
-        }
-    }
 }

@@ -148,22 +148,28 @@ void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_en
         c[2] = encoding != NTP_ENCODING_ZZERO && ntp__i128_negative(v[2]) ? m - b : b;
 }
 
+static uint64_t beyond(ntp__i128 a, int32_t bits)
+{
+    return bits < 64 ? a.hi | a.lo >> bits : a.hi >> (bits - 64);
+}
+
 void ntp__i128_shorten(ntp__i128 v[3], int32_t bits)
 {
-    for (;;) {
-        uint64_t beyond = 0;
-        for (int32_t k = 0; k < 3; k++)
-            beyond |= bits < 64 ? magnitude(v[k]).hi | magnitude(v[k]).lo >> bits
-                                : magnitude(v[k]).hi >> (bits - 64);
-        if (beyond == 0)
-            return;
-        for (int32_t k = 0; k < 3; k++) {
-            bool negative = ntp__i128_negative(v[k]);
-            ntp__i128 a = magnitude(v[k]);
-            a.lo = a.lo >> 1 | a.hi << 63;
-            a.hi >>= 1;
-            v[k] = negative ? ntp__i128_negate(a) : a;
-        }
+    ntp__i128 all = { 0, 0 };
+    for (int32_t k = 0; k < 3; k++) {
+        all.lo |= magnitude(v[k]).lo;
+        all.hi |= magnitude(v[k]).hi;
+    }
+    int32_t drop = 0;
+    for (; beyond(all, bits); drop++) {
+        all.lo = all.lo >> 1 | all.hi << 63;
+        all.hi >>= 1;
+    }
+    for (int32_t k = 0; drop > 0 && k < 3; k++) {
+        ntp__i128 a = magnitude(v[k]);
+        a.lo = drop < 64 ? a.lo >> drop | a.hi << (64 - drop) : a.hi >> (drop - 64);
+        a.hi = drop < 64 ? a.hi >> drop : 0;
+        v[k] = ntp__i128_negative(v[k]) ? ntp__i128_negate(a) : a;
     }
 }
 

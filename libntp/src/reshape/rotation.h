@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * rotation.h - what the two parts of ntp__rotate share
+ */
+#ifndef NTP_ROTATION_H
+#define NTP_ROTATION_H
+
+#include "reshape/rotate.h"
+
+enum {
+    NTP__PLACE_BITS = 15,
+    NTP__ONE_TEXEL = 1 << NTP__PLACE_BITS,
+    NTP__ROTATED_AT_ONCE = 128 /* texels: what is known of them stays in the first cache */
+};
+
+typedef struct ntp__rotation {
+    const ntp_image *dst;
+    const ntp_const_image *src;
+    const ntp_transform_options *how;
+    ntp__strength strength;
+    ntp__turn turn;
+    ntp_part part;
+    int32_t m;
+    bool extra;    /* the third sample is no component of a vector */
+    bool by_alpha; /* which is a part of the weights */
+} ntp__rotation;
+
+/* The places of some texels in the source. */
+typedef struct ntp__places {
+    /* columns and rows of the texels around each, the lower and the higher ones: in bytes */
+    ptrdiff_t at[2][2][NTP__ROTATED_AT_ONCE];
+    double share[2][2][NTP__ROTATED_AT_ONCE]; /* of these; in whole 1/NTP__ONE_TEXEL */
+} ntp__places;
+
+/* Texel i by integers, into texel i of a block. */
+void ntp__rotate_texel(const ntp__rotation *j, ntp__block *out, const ntp__places *p, int32_t i);
+
+#endif
