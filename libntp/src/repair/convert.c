@@ -284,7 +284,8 @@ static void levels_of(const job *j, const texel *t, bool broken, int32_t out[4],
         convert_texel(j, t, out, counts);
 }
 
-static void convert_run(const job *j, int32_t x, int32_t y, int32_t n, ntp_convert_counts *counts)
+void ntp__convert_each(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+                       ntp_convert_counts *counts)
 {
     ntp__block block;
     int32_t want[NTP__BLOCK];
@@ -368,7 +369,7 @@ ntp_status ntp_convert(const ntp_image *dst, const ntp_const_image *src,
         return NTP_ERR_ARGUMENT;
     int32_t most = NTP__BLOCK;
     ntp__convert_fn *fast = ntp__fast_conversion(&j, &most);
-    ntp__convert_fn *convert = fast != NULL ? fast : convert_run;
+    ntp__convert_fn *convert = fast != NULL ? fast : ntp__convert_each;
     ntp_convert_counts local = { 0, 0, 0 };
     const int32_t width = rect.x1 - rect.x0;
     const bool joined =

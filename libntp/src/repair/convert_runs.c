@@ -99,7 +99,7 @@ static int32_t convert_blues(const ntp__conversion *j, ntp__block *out, const nt
             any |= pull[i] = -((want[i] >= 0) & (blue[i] < 0));
         return any;
     }
-    if (from != to && to != NTP_ENCODING_XY)
+    if (from != to && to != NTP_ENCODING_XY && j->src->type != NTP_TYPE_F32)
         blues_by_value(j, out->c[2], in->c[2], n);
     any = put_exact(j, out->c[2], in->c[2], want, blue, pull, n);
     for (int32_t i = 0; to == NTP_ENCODING_XY && i < n; i++)
@@ -128,15 +128,66 @@ static uint64_t count_negative(const ntp__conversion *j, const int32_t *b, const
     return (uint64_t) count;
 }
 
-/* From biased integers to biased integers. */
+/* A blue from floats, where source and target store z differently. */
+static int32_t blue_of_float(double blue, int32_t m, bool to_zzero)
+{
+    if (to_zzero)
+        return ntp__level_of(fabs(2.0 * blue - 1.0), m);
+    const double mv = blue * m;
+    return (m + 1 + (mv > 0 ? mv < m ? (int32_t) mv : m : 0)) / 2;
+}
+
+/* The levels of biased floats at the depth of the target, by value. */
+static void read_floats(const ntp__conversion *j, ntp__block *out, int32_t x, int32_t y, int32_t n)
+{
+    const bool from_zzero = j->src->encoding == NTP_ENCODING_ZZERO,
+               to_zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
+    for (int32_t k = 0; k < j->src->channels; k++) {
+        const char *s = ntp__at(j->src, x, y);
+        for (int32_t i = 0; i < n; i++, s += j->src->pixel_stride) {
+            const double v = ((const float *) (const void *) s)[k];
+            out->c[k][i] = k == 2 && from_zzero != to_zzero ? blue_of_float(v, j->md, to_zzero)
+                                                            : ntp__level_of(v, j->md);
+        }
+    }
+}
+
+/* Writes levels as biased floats, y flipped where `flip` is set and it is not `kept`.  Floats of the source whose
+ * level `in` did not change stay as they are.  v + v/M is as in ntp__decode. */
+static void write_floats(const ntp__conversion *j, const ntp__block *out, const ntp__block *in,
+                         const uint8_t *kept, int32_t x, int32_t y, int32_t n)
+{
+    for (int32_t k = 0; k < j->dst->channels; k++) {
+        const bool flip = k == 1 && kept != NULL && j->flip;
+        const bool same = in != NULL && j->src->type == NTP_TYPE_F32 && k < j->src->channels;
+        char *d = ntp__at_mut(j->dst, x, y);
+        const char *s = ntp__at(j->src, x, y);
+        for (int32_t i = 0; i < n; i++, d += j->dst->pixel_stride, s += j->src->pixel_stride) {
+            float v = (float) out->c[k][i] * 0x1p-16F;
+            v += v * (1 / 65535.0F);
+            if (same && in->c[k][i] == out->c[k][i])
+                v = ((const float *) (const void *) s)[k];
+            if (flip && !kept[i])
+                v = (float) (1.0 - (double) v);
+            ((float *) (void *) d)[k] = v;
+        }
+    }
+}
+
+/* From biased samples to biased samples. */
 static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
                            ntp_convert_counts *counts)
 {
     ntp__block in, out;
     int32_t pull[NTP__BLOCK];
     uint8_t kept[NTP__BLOCK] = { 0 };
+    const bool floats = j->src->type == NTP_TYPE_F32;
     ntp__unpack(&in, j->src, x, y, n);
     const bool suspect = ntp__any_suspect(&in, n, j->ms);
+    if (floats && suspect) {
+        ntp__convert_each(j, x, y, n, counts);
+        return;
+    }
     for (int32_t i = 0; suspect && i < n; i++) {
         kept[i] = ntp__texel_unused(&in, i, j->ms, j->how.touch_unused);
         if (!kept[i] && j->src->channels == 2)
@@ -146,6 +197,8 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
         for (int32_t i = 0; i < n; i++)
             out.c[k][i] = ntp__deepen(in.c[k][i], j->ms, j->md);
     }
+    if (floats)
+        read_floats(j, &out, x, y, n);
     const int32_t any = convert_blues(j, &out, &in, pull, n);
     for (int32_t i = 0; suspect && any && i < n; i++)
         pull[i] = kept[i] ? 0 : pull[i];
@@ -153,11 +206,15 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
         counts->pulled += pull_marked(j, &out, &in, pull, n);
     if (j->src->encoding == NTP_ENCODING_STANDARD && j->dst->encoding == NTP_ENCODING_ZZERO)
         counts->z_negative += count_negative(j, in.c[2], suspect ? kept : NULL, n);
-    for (int32_t i = 0; j->flip && i < n; i++)
+    const bool to_floats = j->dst->type == NTP_TYPE_F32;
+    for (int32_t i = 0; j->flip && !to_floats && i < n; i++)
         out.c[1][i] = j->md - out.c[1][i];
     if (suspect)
         keep_unused(j, &out, &in, kept, n);
-    ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
+    if (to_floats)
+        write_floats(j, &out, &in, kept, x, y, n);
+    else
+        ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
 }
 
 #ifdef NTP_HAVE_AVX2
@@ -229,7 +286,12 @@ static void encode_run(const ntp__conversion *j, int32_t x, int32_t y, int32_t n
     ntp__block out;
     ntp__vectors v;
     int32_t doubt[NTP__BLOCK];
-    counts->not_finite += read_vectors(j, &v, &out, x, y, n);
+    const uint64_t broken = read_vectors(j, &v, &out, x, y, n);
+    if (broken > 0 && j->dst->type == NTP_TYPE_F32) { /* they become 0.5, which is no level */
+        ntp__convert_each(j, x, y, n, counts);
+        return;
+    }
+    counts->not_finite += broken;
     int32_t any =
         j->kernels->directions(out.c[0], out.c[1], out.c[2], doubt, &v, n, j->md, zzero, true);
     for (int32_t i = 0; zzero && i < n; i++)
@@ -250,7 +312,10 @@ static void encode_run(const ntp__conversion *j, int32_t x, int32_t y, int32_t n
     }
     for (int32_t i = 0; xy && i < n; i++)
         out.c[2][i] = j->md;
-    ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
+    if (j->dst->type == NTP_TYPE_F32)
+        write_floats(j, &out, NULL, NULL, x, y, n);
+    else
+        ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
 }
 
 #ifdef NTP_HAVE_AVX2
@@ -285,21 +350,22 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most)
     const bool bytes = j->src->type == NTP_TYPE_U8;
     if (from == NTP_ENCODING_HEIGHT)
         return NULL;
-    if (j->dst->type != NTP_TYPE_F32 && from == NTP_ENCODING_VECTOR) {
+    const bool floats = j->dst->type == NTP_TYPE_F32;
+    if (from == NTP_ENCODING_VECTOR && to != from) {
 #ifdef NTP_HAVE_AVX2
-        if (j->how.blue == NTP_BLUE_DERIVED && packed && j->src->channels == 3 &&
+        if (!floats && j->how.blue == NTP_BLUE_DERIVED && packed && j->src->channels == 3 &&
             to != NTP_ENCODING_XY && ntp__cpu_has_avx2(NTP__CPU_ALL))
             return encode_rgb;
 #endif
         return j->how.blue == NTP_BLUE_DERIVED ? encode_run : NULL;
     }
     if (j->src->type == NTP_TYPE_F32)
-        return NULL;
+        return to != NTP_ENCODING_VECTOR ? convert_levels : NULL;
     const bool move = packed && j->src->type == j->dst->type && from == to;
     const bool to_vectors =
         packed && to == NTP_ENCODING_VECTOR && from != to && from != NTP_ENCODING_XY;
-    if (j->dst->type == NTP_TYPE_F32 && !to_vectors)
-        return NULL;
+    if (floats && !to_vectors)
+        return to != NTP_ENCODING_VECTOR ? convert_levels : NULL;
 #ifdef NTP_HAVE_AVX2
     if (packed && j->src->channels == 3 && !move && !to_vectors && !j->flip &&
         from != NTP_ENCODING_XY && to != NTP_ENCODING_XY && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
