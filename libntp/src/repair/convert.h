@@ -28,7 +28,9 @@ static inline int32_t ntp__deepen(int32_t c, int32_t ms, int32_t md)
 static inline int32_t ntp__level_of(double v, int32_t m)
 {
     double c = v * m + 0.5;
-    return c > 0 ? c < m + 1 ? (int32_t) c : m : 0;
+    c = c > 0 ? c : 0; /* of NaN, too; one instruction each, as noise would mislead branches */
+    c = c < m ? c : m;
+    return (int32_t) c;
 }
 
 /* Converts n texels of row y from column x on; how many at most, goes with the function. */

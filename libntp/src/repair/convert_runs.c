@@ -197,7 +197,7 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
         for (int32_t i = 0; i < n; i++)
             out.c[k][i] = ntp__deepen(in.c[k][i], j->ms, j->md);
     }
-    if (floats)
+    if (floats && (j->md < j->ms || j->src->encoding != j->dst->encoding))
         read_floats(j, &out, x, y, n);
     const int32_t any = convert_blues(j, &out, &in, pull, n);
     for (int32_t i = 0; suspect && any && i < n; i++)

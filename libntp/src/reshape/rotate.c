@@ -9,6 +9,7 @@
  * (rotate_runs.c has the same by doubles, where these are sure of it.)
  */
 #include "reshape/rotation.h"
+#include "stencil/border.h"
 #include "texel/level.h"
 #include "texel/unused.h"
 
@@ -66,6 +67,62 @@ ntp__turn ntp__turn_of(int64_t ticks)
         t = next;
     }
     return t;
+}
+
+/* ------------------------------------------------------------------------------ places */
+
+/* Places along one axis. */
+typedef struct axis {
+    int64_t from, step; /* twice the way from the center of the picture, turned back */
+    bool flip;
+    ntp_border border;
+    int32_t side, first, n; /* of the picture; of it src has n from the first on */
+    int32_t ring;
+    ptrdiff_t stride;
+} axis;
+
+/* Where index i of the picture lies in src. */
+static int32_t inside(const axis *a, int64_t i, bool is_part)
+{
+    if (is_part)
+        i = i - a->first < 0 ? 0 : i - a->first < a->n ? i - a->first : a->n - 1;
+    else if (i < 0 || i >= a->side)
+        i = ntp__border_map(a->border, (int32_t) i, a->side).index[0];
+    return (int32_t) i;
+}
+
+static void find_axis(const axis *a, bool is_part, ptrdiff_t at[2][NTP__ROTATED_AT_ONCE],
+                      double share[2][NTP__ROTATED_AT_ONCE], int32_t n)
+{
+    const int32_t drop = NTP__UNIT_BITS + 1 - NTP__PLACE_BITS;
+    int64_t from = a->from;
+    for (int32_t i = 0; i < n; i++, from += a->step) {
+        int64_t place =
+            (a->flip ? -from : from) + (a->side - (int64_t) 1) * ((int64_t) 1 << NTP__UNIT_BITS);
+        place = (place + ((int64_t) 1 << (drop - 1))) >> drop;
+        const double beyond = (double) (place & (NTP__ONE_TEXEL - 1)) / NTP__ONE_TEXEL;
+        share[0][i] = 1 - beyond;
+        share[1][i] = beyond;
+        for (int32_t k = 0; k < 2; k++)
+            at[k][i] = ntp__ring_row(a->ring, inside(a, (place >> NTP__PLACE_BITS) + k, is_part)) *
+                       a->stride;
+    }
+}
+
+void ntp__find_places(const ntp__rotation *j, ntp__places *p, int32_t x, int32_t y, int32_t n)
+{
+    const ntp_part *part = &j->part;
+    const ntp_const_image *src = j->src;
+    const int64_t u = 2 * (int64_t) x + 1 - part->width, v = 2 * (int64_t) y + 1 - part->height;
+    const int64_t c = j->turn.cosine, s = j->turn.sine;
+    const axis axes[2] = {
+        { c * u + s * v, 2 * c, j->how->flip_x, j->how->border_x, part->width, part->src_x,
+          src->width, 0, src->pixel_stride },
+        { c * v - s * u, -2 * s, j->how->flip_y, j->how->border_y, part->height, part->src_y,
+          src->height, src->ring_rows, src->row_stride },
+    };
+    for (int32_t k = 0; k < 2; k++)
+        find_axis(&axes[k], j->how->part != NULL, p->at[k], p->share[k], n);
 }
 
 /* ------------------------------------------------------------------------------ texels */
@@ -136,4 +193,29 @@ void ntp__rotate_texel(const job *j, ntp__block *out, const ntp__places *p, int3
         out->c[k][i] = c[k];
     const bool clear = none && !(j->how->touch_unused & NTP_UNUSED_TRANSPARENT);
     out->c[3][i] = clear ? 0 : (int32_t) ((2 * s.alpha + one) / (2 * one));
+}
+
+void ntp__rotate(const ntp_image *dst, const ntp_const_image *src, const ntp_transform_options *how,
+                 ntp__strength strength, int64_t ticks, const ntp_rect *area)
+{
+    const ntp_part whole = { src->width, src->height, 0, 0, 0, 0 };
+    const job j = { .dst = dst,
+                    .src = src,
+                    .how = how,
+                    .strength = strength,
+                    .turn = ntp__turn_of(ticks),
+                    .part = how->part != NULL ? *how->part : whole,
+                    .m = ntp__max(src->type),
+                    .extra = src->encoding == NTP_ENCODING_XY && src->channels >= 3,
+                    .by_alpha =
+                        src->channels == 4 && !(how->touch_unused & NTP_UNUSED_TRANSPARENT) };
+    ntp__block out;
+    for (int32_t y = area->y0; y < area->y1; y++) {
+        for (int32_t x = area->x0; x < area->x1; x += NTP__ROTATED_AT_ONCE) {
+            const int32_t n =
+                area->x1 - x < NTP__ROTATED_AT_ONCE ? area->x1 - x : NTP__ROTATED_AT_ONCE;
+            ntp__rotate_run(&j, &out, x + j.part.dst_x, y + j.part.dst_y, n);
+            ntp__store_levels(dst, &out, x, y, n);
+        }
+    }
 }

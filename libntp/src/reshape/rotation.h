@@ -32,7 +32,13 @@ typedef struct ntp__places {
     double share[2][2][NTP__ROTATED_AT_ONCE]; /* of these; in whole 1/NTP__ONE_TEXEL */
 } ntp__places;
 
+/* Those of n texels from (x, y) of the picture on. */
+void ntp__find_places(const ntp__rotation *j, ntp__places *p, int32_t x, int32_t y, int32_t n);
+
 /* Texel i by integers, into texel i of a block. */
 void ntp__rotate_texel(const ntp__rotation *j, ntp__block *out, const ntp__places *p, int32_t i);
+
+/* The levels of n texels, NTP__ROTATED_AT_ONCE or fewer, from (x, y) of the picture on. */
+void ntp__rotate_run(const ntp__rotation *j, ntp__block *out, int32_t x, int32_t y, int32_t n);
 
 #endif
