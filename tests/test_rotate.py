@@ -52,6 +52,25 @@ def test_against_fractions(encoding, m):
             assert got.tolist() == want, (angle, strength, touch)
 
 
+@pytest.mark.parametrize("angle", [45.0, 61.7])
+@pytest.mark.parametrize("m", [255, 65535])
+def test_wide_pictures_against_fractions(m, angle):
+    """Many texels at a time, with flat areas, unused texels, and a z that nearly cancels out."""
+    src = noise((2, 150, 4), m, 9)
+    src[:, :40] = [m // 2 + 1, m // 2 + 1, m, m]
+    src[:, 50:80, 2] = m // 2 + np.arange(30) % 2
+    src[:, 60:75, 3] = m
+    src[:, 90:100, 3] = 0
+    for encoding in (ntp.STANDARD, ntp.ZZERO, ntp.XY):
+        for strength in (None, 1000.0):
+            got = rotate(src, angle, encoding, strength=strength, borders=(2, 1))
+            factor = Fraction(strength or 1)
+            want = oracle_rotate.rotated(
+                src.tolist(), angle, m, NAMES[encoding], ntp.UP, (0, 0), (2, 1), factor, 0
+            )
+            assert got.tolist() == want
+
+
 def bumps(side, degrees=0.0, y=ntp.UP):
     """Normals of a smooth surface that is turned clockwise, computed where it is, not resampled."""
     at = np.arange(side) + 0.5 - side / 2

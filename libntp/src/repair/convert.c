@@ -3,9 +3,9 @@
  * convert.c - conversion between encodings, depths and Y orientations
  *
  * Samples are converted by value.  A texel that is `exact` gets its blue derived anew from its
- * converted red and green, which keeps clean textures clean.  Whether a texel is exact is found for
- * a block at a time: a kernel derives the blues of the source.  The common conversions have faster
- * ways to the same bytes, in convert_runs.c.
+ * converted red and green, which keeps clean textures clean.  All that is between biased samples, and
+ * what is common of the rest, is in convert_runs.c, many texels at a time; here are heights and
+ * vectors, texel by texel.
  */
 #include "base/finite.h"
 #include "repair/convert.h"
@@ -21,7 +21,6 @@ typedef ntp__conversion job;
 typedef struct texel {
     int32_t c[4];     /* source levels */
     const float *raw; /* source samples of a float image, else NULL */
-    int32_t want;     /* derived blue of the source, -1: too long */
     bool unused;
 } texel;
 
@@ -29,75 +28,6 @@ typedef struct texel {
 static int32_t by_value(const job *j, const texel *t, int32_t k)
 {
     return t->raw != NULL ? ntp__level_of(t->raw[k], j->md) : ntp__deepen(t->c[k], j->ms, j->md);
-}
-
-/* Blue by value, also where source and target store z differently.  *negative: z < 0 became |z|. */
-static int32_t blue_by_value(const job *j, const texel *t, bool *negative)
-{
-    bool from_zzero = j->src->encoding == NTP_ENCODING_ZZERO,
-         to_zzero = j->dst->encoding == NTP_ENCODING_ZZERO;
-    if (from_zzero == to_zzero)
-        return by_value(j, t, 2);
-    if (to_zzero) {
-        if (t->raw != NULL) {
-            double z = 2.0 * (double) t->raw[2] - 1.0;
-            *negative = z < 0;
-            return ntp__level_of(z < 0 ? -z : z, j->md);
-        }
-        int32_t z = ntp__num(t->c[2], j->ms);
-        *negative = z < 0;
-        return ntp__deepen(ntp__abs(z), j->ms, j->md);
-    }
-    if (t->raw != NULL) {
-        double mv = (double) t->raw[2] * j->md;
-        int32_t below = mv > 0 ? mv < j->md ? (int32_t) mv : j->md : 0;
-        return (j->md + 1 + below) / 2;
-    }
-    int32_t b = t->c[2];
-    if (j->ms == j->md)
-        return (b + j->md + 1) / 2;
-    /* Narrowing: floor((b/257 + 256)/2) as one quotient. */
-    return j->ms < j->md ? (257 * b + 65536) / 2 : (b + 65792) / 514;
-}
-
-/* Is the blue of the source the one derived from its red and green?  (XY: is there such a blue?)
- * And is z negative? */
-static bool is_exact(const job *j, const texel *t, bool *negative)
-{
-    int32_t b = t->c[2];
-    if (j->src->encoding == NTP_ENCODING_XY)
-        return t->want >= 0;
-    *negative = j->src->encoding == NTP_ENCODING_STANDARD && ntp__z_negative(b, j->ms);
-    return t->want >= 0 && t->want == (*negative ? j->ms - b : b);
-}
-
-/* The target's levels of one texel from a biased source. */
-static void convert_texel(const job *j, const texel *t, int32_t out[4], ntp_convert_counts *counts)
-{
-    ntp_encoding to = j->dst->encoding;
-    bool zzero = to == NTP_ENCODING_ZZERO, negative = false;
-    for (int32_t k = 0; k < 4; k++)
-        out[k] = by_value(j, t, k);
-    if (t->unused)
-        return;
-    bool exact = is_exact(j, t, &negative);
-    bool from_xy = j->src->encoding == NTP_ENCODING_XY, to_xy = to == NTP_ENCODING_XY;
-    if ((exact || (from_xy && !to_xy)) && ntp__rest(out[0], out[1], j->md) < 0) {
-        ntp__pull(&out[0], &out[1], j->md);
-        counts->pulled++;
-    }
-    if (to_xy) {
-        out[2] = from_xy ? out[2] : j->md;
-    } else if (exact || from_xy) {
-        out[2] = ntp__derive(&out[0], &out[1], j->md, zzero);
-        if (negative && !zzero)
-            out[2] = j->md - out[2];
-    } else {
-        out[2] = blue_by_value(j, t, &negative);
-    }
-    counts->z_negative += negative && zzero;
-    if (j->flip)
-        out[1] = j->md - out[1];
 }
 
 void ntp__convert_vector(const ntp__conversion *j, const float raw[3], int32_t out[3],
@@ -173,35 +103,13 @@ void ntp__settle_vectors(const ntp__conversion *j, uint8_t *d, const float *s,
 
 #endif
 
-/* Levels to floats of a biased target.  Float samples whose level is unchanged keep their bits. */
-static void levels_to_floats(const job *j, const texel *t, const int32_t level[4], float out[4])
-{
-    for (int32_t k = 0; k < 4; k++) {
-        bool same = t->raw != NULL && j->src->encoding != NTP_ENCODING_VECTOR &&
-                    k < j->src->channels && ntp__level_of(t->raw[k], j->md) == level[k];
-        out[k] = same ? t->raw[k] : (float) ((double) level[k] / j->md);
-    }
-    if (t->raw == NULL && j->ms == 255 && t->unused) {
-        for (int32_t k = 0; k < 4; k++)
-            out[k] = (float) ((double) t->c[k] / 255.0);
-    }
-}
-
+/* Of vectors. */
 static void biased_floats(const job *j, const texel *t, float out[4], ntp_convert_counts *counts)
 {
     int32_t level[4];
-    bool flipped = j->flip && !t->unused;
-    if (j->src->encoding == NTP_ENCODING_VECTOR) {
-        convert_vector(j, t, level, counts);
-        levels_to_floats(j, t, level, out);
-        return;
-    }
-    convert_texel(j, t, level, counts);
-    if (flipped)
-        level[1] = j->md - level[1];
-    levels_to_floats(j, t, level, out);
-    if (flipped)
-        out[1] = (float) (1.0 - (double) out[1]);
+    convert_vector(j, t, level, counts);
+    for (int32_t k = 0; k < 4; k++)
+        out[k] = (float) ((double) level[k] / j->md);
 }
 
 /* Unbiased vectors: V/M, b/M, nearest float. */
@@ -278,27 +186,22 @@ static void levels_of(const job *j, const texel *t, bool broken, int32_t out[4],
     else if (j->dst->encoding == NTP_ENCODING_HEIGHT)
         for (int32_t k = 0; k < 4; k++)
             out[k] = k < j->src->channels ? by_value(j, t, k) : j->md;
-    else if (j->src->encoding == NTP_ENCODING_VECTOR)
-        convert_vector(j, t, out, counts);
     else
-        convert_texel(j, t, out, counts);
+        convert_vector(j, t, out, counts);
 }
 
 void ntp__convert_each(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
                        ntp_convert_counts *counts)
 {
     ntp__block block;
-    int32_t want[NTP__BLOCK];
     bool floats = j->src->type == NTP_TYPE_F32, height = j->src->encoding == NTP_ENCODING_HEIGHT;
     bool can_be_unused = !height && j->src->encoding != NTP_ENCODING_VECTOR;
     ntp__unpack(&block, j->src, x, y, n);
-    j->kernels->derive(want, block.c[0], block.c[1], n, j->ms,
-                       j->src->encoding == NTP_ENCODING_ZZERO);
     const char *s = ntp__at(j->src, x, y);
     char *d = ntp__at_mut(j->dst, x, y);
     for (int32_t i = 0; i < n; i++, s += j->src->pixel_stride, d += j->dst->pixel_stride) {
         float raw[4] = { 0, 0, 1, 1 };
-        texel t = { .want = want[i] };
+        texel t = { .raw = NULL };
         for (int32_t k = 0; k < 4; k++)
             t.c[k] = block.c[k][i];
         if (height && j->src->channels == 2)

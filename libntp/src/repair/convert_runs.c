@@ -2,8 +2,8 @@
 /*
  * convert_runs.c - the common conversions, many texels at a time
  *
- * The bytes are those of convert.c, which says what they are.  Of biased levels, planes are
- * converted with the kernel that derives blues; float vectors go through that for directions.
+ * convert.c says what the bytes are.  Of biased levels, planes are converted with the kernel that
+ * derives blues; float vectors go through that for directions.  Biased floats go by their levels.
  */
 #include "base/cpu.h"
 #include "base/finite.h"
@@ -107,13 +107,34 @@ static int32_t convert_blues(const ntp__conversion *j, ntp__block *out, const nt
     return any;
 }
 
-/* Puts unused texels back, which are converted by value alone. */
-SELDOM static void keep_unused(const ntp__conversion *j, ntp__block *out, const ntp__block *in,
-                               const uint8_t *kept, int32_t n)
+/* Puts unused texels back, which are converted by value alone; what is no vector is flat.  Returns how many
+ * of the latter. */
+SELDOM static uint64_t keep_unused(const ntp__conversion *j, ntp__block *out, const ntp__block *in,
+                                   const uint8_t *kept, int32_t x, int32_t y, int32_t n)
+{
+    const int32_t middle = (j->md + 1) / 2, flat[4] = { middle, middle, j->md, j->md };
+    uint64_t found = 0;
+    for (int32_t i = 0; i < n; i++) {
+        const bool broken = in->any_broken && in->broken[i];
+        const float *raw = ntp__at(j->src, x + i, y);
+        for (int32_t k = 0; kept[i] && k < 4; k++)
+            out->c[k][i] = broken ? flat[k]
+                           : j->src->type == NTP_TYPE_F32 && k < j->src->channels
+                               ? ntp__level_of(raw[k], j->md)
+                               : ntp__deepen(in->c[k][i], j->ms, j->md);
+        found += broken;
+    }
+    return found;
+}
+
+/* Writes flat floats, which are no levels, where there is no vector. */
+SELDOM static void write_broken(const ntp__conversion *j, const ntp__block *in, int32_t x,
+                                int32_t y, int32_t n)
 {
     for (int32_t i = 0; i < n; i++) {
-        for (int32_t k = 0; kept[i] && k < 4; k++)
-            out->c[k][i] = ntp__deepen(in->c[k][i], j->ms, j->md);
+        float *d = ntp__at_mut(j->dst, x + i, y);
+        for (int32_t k = 0; in->broken[i] && k < j->dst->channels; k++)
+            d[k] = k < 2 ? 0.5F : 1.0F;
     }
 }
 
@@ -184,10 +205,6 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
     const bool floats = j->src->type == NTP_TYPE_F32;
     ntp__unpack(&in, j->src, x, y, n);
     const bool suspect = ntp__any_suspect(&in, n, j->ms);
-    if (floats && suspect) {
-        ntp__convert_each(j, x, y, n, counts);
-        return;
-    }
     for (int32_t i = 0; suspect && i < n; i++) {
         kept[i] = ntp__texel_unused(&in, i, j->ms, j->how.touch_unused);
         if (!kept[i] && j->src->channels == 2)
@@ -197,7 +214,8 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
         for (int32_t i = 0; i < n; i++)
             out.c[k][i] = ntp__deepen(in.c[k][i], j->ms, j->md);
     }
-    if (floats && (j->md < j->ms || j->src->encoding != j->dst->encoding))
+    if (floats && (j->md < j->ms || (j->src->encoding == NTP_ENCODING_ZZERO) !=
+                                        (j->dst->encoding == NTP_ENCODING_ZZERO)))
         read_floats(j, &out, x, y, n);
     const int32_t any = convert_blues(j, &out, &in, pull, n);
     for (int32_t i = 0; suspect && any && i < n; i++)
@@ -210,11 +228,13 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
     for (int32_t i = 0; j->flip && !to_floats && i < n; i++)
         out.c[1][i] = j->md - out.c[1][i];
     if (suspect)
-        keep_unused(j, &out, &in, kept, n);
+        counts->not_finite += keep_unused(j, &out, &in, kept, x, y, n);
     if (to_floats)
         write_floats(j, &out, &in, kept, x, y, n);
     else
         ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
+    if (to_floats && in.any_broken)
+        write_broken(j, &in, x, y, n);
 }
 
 #ifdef NTP_HAVE_AVX2
