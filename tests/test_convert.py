@@ -55,6 +55,60 @@ def test_integers(case):
             assert got == (negative, 0, sum(w[2] for w in want))
 
 
+def with_alpha(m, encoding):
+    """Three rows of texels of all kinds, each of more than are converted at once."""
+    texels = texels_of(m, encoding)
+    alphas = np.resize([m, m // 3, 0, m, m], len(texels))
+    return np.stack([np.column_stack([np.roll(texels, k, 0), alphas]) for k in range(3)])
+
+
+@pytest.mark.parametrize("m", DEPTHS)
+@pytest.mark.parametrize("encoding", NAMES, ids=NAMES.get)
+@pytest.mark.parametrize("target", NAMES, ids=NAMES.get)
+def test_floats_are_levels_of_16_bits(target, encoding, m):
+    """To floats as to 16 bits; y is flipped as 1 - y, unless a texel is unused."""
+    for channels, flip, touch in itertools.product((3, 4), (0, 1), (0, 7)):
+        src = np.ascontiguousarray(with_alpha(m, encoding)[..., :channels]).astype(DEPTHS[m])
+        assert src.shape[1] > 256
+        levels, got = np.zeros(src.shape, np.uint16), np.zeros(src.shape, np.float32)
+        counts = ntp.convert(src, levels, encoding, target, 0, 0, (0, touch))
+        want = (levels / 65535).astype(np.float32)
+        gone = np.isin(src[..., :3], [0]).all(-1) | np.isin(src[..., :3], [m]).all(-1)
+        if channels == 4:
+            gone |= src[..., 3] == 0
+        turned = flip & ~(gone & (touch == 0))
+        want[..., 1] = np.where(turned, (1.0 - want[..., 1].astype(float)), want[..., 1])
+        assert ntp.convert(src, got, encoding, target, 0, flip, (0, touch)) == counts
+        assert np.array_equal(got, want)
+
+
+@pytest.mark.parametrize("encoding", NAMES, ids=NAMES.get)
+@pytest.mark.parametrize("target", NAMES, ids=NAMES.get)
+def test_from_floats_as_from_16_bits(target, encoding):
+    """Of floats that are levels; those that are no vectors are flat."""
+    for channels, touch, to in itertools.product((3, 4), (0, 7), (np.uint8, np.uint16, np.float32)):
+        full = np.ascontiguousarray(with_alpha(65535, encoding)[..., :channels]).astype(np.uint16)
+        if (encoding, target) == (ntp.ZZERO, ntp.STANDARD):
+            r, g, _ = (
+                full[..., :3].reshape(-1, 3).astype(int).T
+            )  # others go by a floor of the float
+            full[..., 2] = oracle.derived_blues(*oracle.pulled(r, g, 65535), 65535, True).reshape(
+                full.shape[:2]
+            )
+            full[oracle.radicands(*full[..., :2].astype(int).transpose(2, 0, 1), 65535) < 0] = 65535
+        floats = (full / 65535).astype(np.float32)
+        want, got = np.zeros(full.shape, to), np.zeros(full.shape, to)
+        counts = ntp.convert(full, want, encoding, target, 0, 1, (0, touch))
+        assert ntp.convert(floats, got, encoding, target, 0, 1, (0, touch)) == counts
+        assert np.array_equal(got, want)
+        floats[1, ::5, 0] = np.nan
+        flat = {np.uint8: [128, 128, 255, 255], np.uint16: [32768, 32768, 65535, 65535]}
+        assert ntp.convert(floats, got, encoding, target, 0, 1, (0, touch))[1] == len(got[1, ::5])
+        assert (got[1, ::5] == flat.get(to, [0.5, 0.5, 1, 1])[:channels]).all()
+        assert np.array_equal(got[::2], want[::2])
+        assert np.array_equal(got[1, 1::5], want[1, 1::5])
+
+
 @pytest.mark.parametrize("case", CASES, ids=case_name)
 def test_clean_stays_clean(case):
     """A texel that passes `exact` passes it after every conversion."""
