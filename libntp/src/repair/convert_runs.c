@@ -174,21 +174,21 @@ static void read_floats(const ntp__conversion *j, ntp__block *out, int32_t x, in
 }
 
 /* Writes levels as biased floats, y flipped where `flip` is set and it is not `kept`.  Floats of the source whose
- * level `in` did not change stay as they are.  v + v/M is as in ntp__decode. */
+ * level, in `in`, did not change stay as they are.  v + v/M is as in ntp__decode. */
 static void write_floats(const ntp__conversion *j, const ntp__block *out, const ntp__block *in,
                          const uint8_t *kept, int32_t x, int32_t y, int32_t n)
 {
     for (int32_t k = 0; k < j->dst->channels; k++) {
-        const bool flip = k == 1 && kept != NULL && j->flip;
-        const bool same = in != NULL && j->src->type == NTP_TYPE_F32 && k < j->src->channels;
+        const bool flip = k == 1 && j->flip;
+        const int32_t *same = in != NULL && k < j->src->channels ? in->c[k] : NULL;
         char *d = ntp__at_mut(j->dst, x, y);
         const char *s = ntp__at(j->src, x, y);
         for (int32_t i = 0; i < n; i++, d += j->dst->pixel_stride, s += j->src->pixel_stride) {
             float v = (float) out->c[k][i] * 0x1p-16F;
             v += v * (1 / 65535.0F);
-            if (same && in->c[k][i] == out->c[k][i])
+            if (same != NULL && same[i] == out->c[k][i])
                 v = ((const float *) (const void *) s)[k];
-            if (flip && !kept[i])
+            if (flip && kept != NULL && !kept[i])
                 v = (float) (1.0 - (double) v);
             ((float *) (void *) d)[k] = v;
         }
@@ -230,7 +230,7 @@ static void convert_levels(const ntp__conversion *j, int32_t x, int32_t y, int32
     if (suspect)
         counts->not_finite += keep_unused(j, &out, &in, kept, x, y, n);
     if (to_floats)
-        write_floats(j, &out, &in, kept, x, y, n);
+        write_floats(j, &out, floats ? &in : NULL, kept, x, y, n);
     else
         ntp__pack(j->dst, &out, x, y, n, j->dst->channels);
     if (to_floats && in.any_broken)
