@@ -68,9 +68,8 @@ void ntp__gradient_pack_floats(const ntp__gradient *g, float *const value[3], in
     const ntp_image *dst = g->dst;
     const int32_t channels = dst->channels;
     const bool xy = dst->encoding == NTP_ENCODING_XY;
-    char *at = ntp__at_mut(dst, x, y);
-    for (int32_t i = 0; i < n; i++, at += dst->pixel_stride) {
-        float *d = (float *) at;
+    for (int32_t i = 0; i < n; i++) {
+        float *d = ntp__at_mut(dst, x + i, y);
         d[0] = value[0][i];
         d[1] = value[1][i];
         if (channels > 2)

@@ -18,7 +18,8 @@ void ntp__note_dense_rows_avx2(ntp__color_counts *counts, int32_t least);
 
 /* Adds the colors of all rows that are noted as dense, with angles of the standard encoding; and to blues[b] the texels
  * of each blue b. */
-void ntp__add_dense_rows_avx2(ntp__sums *sums, uint64_t blues[256], const ntp__color_counts *counts);
+void ntp__add_dense_rows_avx2(ntp__sums *sums, uint64_t blues[256],
+                              const ntp__color_counts *counts);
 
 /* All 256 blues of a row that is noted so, also those that do not occur. */
 void ntp__dense_cells_avx2(ntp__cells *cells, const ntp__color_counts *counts, int32_t row);

@@ -142,7 +142,7 @@ int32_t ntp__pack_directions_avx512(uint8_t *d, int32_t *at, const ntp__planes *
         uint32_t left = doubt;
         put8(last ? few : to, t);
         if (last) {
-            memcpy(to, few, (size_t) (3 * (n - i)));
+            memcpy(to, few, 3 * (size_t) (n - i));
             left &= (1U << (n - i)) - 1;
         }
         for (; left != 0; left &= left - 1)
