@@ -118,26 +118,38 @@ ntp_rows ntp_resize_rows(const ntp_resize_plan *plan, int32_t y)
     return rows;
 }
 
-/* Adds a run of texels of row y, each times w, to the sums of their columns. */
-static void add_run(const job *j, int32_t x, int32_t y, int32_t n, int64_t w)
+/* A run of texels of row y, each times w. */
+typedef struct terms {
+    ntp__vectors v;
+    double by[NTP__BLOCK], alpha[NTP__BLOCK]; /* w times the weight, and times alpha */
+    double extra[NTP__BLOCK];
+} terms;
+
+static void unpack_terms(const job *j, terms *r, int32_t x, int32_t y, int32_t n, double w)
 {
     ntp__block block;
     ntp__unpack(&block, j->src, x, y, n);
+    ntp__block_vectors(&r->v, &block, n, j->m, j->src->encoding);
     for (int32_t i = 0; i < n; i++) {
-        if (j->sum[SUM_ALPHA] != NULL)
-            j->sum[SUM_ALPHA][x + i] += w * block.c[3][i];
-        if (ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused))
-            continue;
-        int64_t weight = j->weighted ? w * block.c[3][i] : w;
-        int32_t v[3];
-        ntp__texel_vector(v, &block, i, j->m, j->src->encoding);
-        for (int32_t k = 0; k < 3; k++)
-            j->sum[k][x + i] += weight * v[k];
-        j->sum[SUM_WEIGHT][x + i] += weight;
-        j->sum[SUM_NEGATIVE][x + i] += v[2] < 0;
-        if (j->sum[SUM_EXTRA] != NULL)
-            j->sum[SUM_EXTRA][x + i] += weight * block.c[2][i];
+        r->alpha[i] = w * block.c[3][i];
+        r->extra[i] = block.c[2][i];
+        r->by[i] = w;
     }
+    if (j->weighted)
+        memcpy(r->by, r->alpha, (size_t) n * sizeof r->by[0]);
+    if (!ntp__any_suspect(&block, n, j->m))
+        return;
+    for (int32_t i = 0; i < n; i++) {
+        if (ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused))
+            r->by[i] = 0;
+    }
+}
+
+static void add_whole(int64_t *restrict sum, const double *restrict v, const double *restrict by,
+                      int32_t n)
+{
+    for (int32_t i = 0; i < n; i++)
+        sum[i] += (int64_t) v[i] * (int64_t) by[i];
 }
 
 static void add_scaled(double *restrict sum, const double *restrict v, const double *restrict by,
@@ -147,32 +159,30 @@ static void add_scaled(double *restrict sum, const double *restrict v, const dou
         sum[i] += v[i] * by[i];
 }
 
-/* The same in doubles. */
-static void add_run_quickly(const job *j, int32_t x, int32_t y, int32_t n, int64_t w)
+/* Adds them to the sums of their columns. */
+static void add_run(const job *j, int32_t x, int32_t y, int32_t n, int32_t w)
 {
-    ntp__block block;
-    ntp__vectors v;
-    double by[NTP__BLOCK], plane[NTP__BLOCK], *const *sum = j->quick;
-    ntp__unpack(&block, j->src, x, y, n);
-    ntp__block_vectors(&v, &block, n, j->m, j->src->encoding);
+    terms r;
+    double one[NTP__BLOCK];
+    unpack_terms(j, &r, x, y, n, w);
     for (int32_t i = 0; i < n; i++)
-        by[i] = (double) w * (j->weighted ? block.c[3][i] : 1);
-    if (ntp__any_suspect(&block, n, j->m)) {
-        for (int32_t i = 0; i < n; i++)
-            by[i] = ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused) ? 0 : by[i];
+        one[i] = 1;
+    const double *const of[SUMS] = { r.v.c[0], r.v.c[1], r.v.c[2], one, one, r.v.c[2], r.extra };
+    for (int32_t k = 0; k < SUMS; k++) {
+        const double *by = k == SUM_ALPHA ? r.alpha : r.by;
+        if (j->sum[k] == NULL)
+            continue;
+        if (k == SUM_NEGATIVE) {
+            /* Nothing cancels what is counted. */
+            for (int32_t i = 0; i < n; i++)
+                r.v.c[2][i] = r.v.c[2][i] < 0 ? fabs(by[i]) : 0;
+            by = one;
+        }
+        if (j->quickly)
+            add_scaled(j->quick[k] + x, of[k], by, n);
+        else
+            add_whole(j->sum[k] + x, of[k], by, n);
     }
-    for (int32_t k = 0; k < 3; k++)
-        add_scaled(sum[k] + x, v.c[k], by, n);
-    for (int32_t i = 0; sum[SUM_EXTRA] != NULL && i < n; i++)
-        sum[SUM_EXTRA][x + i] += by[i] * block.c[2][i];
-    for (int32_t i = 0; i < n; i++) {
-        sum[SUM_WEIGHT][x + i] += by[i];
-        plane[i] = v.c[2][i] < 0 ? 1.0 : 0.0;
-        by[i] = fabs(by[i]); /* so that nothing cancels what is counted */
-    }
-    add_scaled(sum[SUM_NEGATIVE] + x, plane, by, n);
-    for (int32_t i = 0; sum[SUM_ALPHA] != NULL && i < n; i++)
-        sum[SUM_ALPHA][x + i] += (double) w * block.c[3][i];
 }
 
 /* The sums of columns x0..x1 - 1 for row y of the result. */
@@ -189,8 +199,7 @@ static void add_rows(const job *j, int32_t y, int32_t x0, int32_t x1)
         int32_t w = axis->weight[(ptrdiff_t) y * axis->stride + t];
         int32_t row = ntp__axis_map(axis, axis->span[y].first + t);
         for (int32_t x = x0; w != 0 && x < x1; x += NTP__BLOCK)
-            (j->quickly ? add_run_quickly : add_run)(j, x, row,
-                                                     x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK, w);
+            add_run(j, x, row, x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK, w);
     }
 }
 
@@ -214,19 +223,25 @@ static ntp__i128 across(const job *j, int32_t k, int32_t x)
     return ntp__i128_add(ntp__i128_shift(ntp__i128_of(high), 32), ntp__i128_of(low));
 }
 
-/* Does one of the source texels of texel x have a negative z? */
-static bool any_negative(const job *j, int32_t x)
+/* Is sum k of a column of texel x other than 0? */
+static bool any_other(const job *j, int32_t k, int32_t x)
 {
     const ntp__axis *axis = &j->plan->x;
     for (int32_t t = 0; t < axis->span[x].count; t++) {
-        if (column_of(j, SUM_NEGATIVE, ntp__axis_map(axis, axis->span[x].first + t)) != 0)
+        if (column_of(j, k, ntp__axis_map(axis, axis->span[x].first + t)) != 0)
             return true;
     }
     return false;
 }
 
+/* Is a negative z of texel x no z of a source?  Only Lanczos overshoots. */
+static bool overshot(const job *j, int32_t x)
+{
+    return j->sum[SUM_NEGATIVE] != NULL && !any_other(j, SUM_NEGATIVE, x);
+}
+
 /* The third sample of NTP_ENCODING_XY, and alpha. */
-static void resize_samples(const job *j, ntp__block *out, int32_t i, int32_t x, int32_t y)
+static void resize_samples_exactly(const job *j, ntp__block *out, int32_t i, int32_t x, int32_t y)
 {
     const ntp__axis *axis = &j->plan->x;
     ntp__i128 weight = across(j, SUM_WEIGHT, x);
@@ -255,61 +270,130 @@ static void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x)
     bool none = ntp__i128_is_zero(weight) || ntp__i128_negative(weight);
     for (int32_t k = 0; k < 3; k++)
         v[k] = none ? ntp__i128_of(0) : across(j, k, x);
-    /* Lanczos overshoots.  A texel must not get a negative z when its sources have none. */
-    if (ntp__i128_negative(v[2]) && !any_negative(j, x))
+    /* A texel must not get a negative z when its sources have none. */
+    if (ntp__i128_negative(v[2]) && overshot(j, x))
         v[2] = ntp__i128_of(0);
     put_direction(j, out, i, v);
 }
 
-/* The sums over the columns of texel x in double; whether they are too inexact.  Their errors are
- * below 2^-52 of the greatest sum there can be for each column. */
-static bool across_quickly(const job *j, ntp__vectors *v, int32_t i, int32_t x)
+/* Sum k over the columns of n texels from texel x on, in doubles. */
+static void across_quickly(const job *j, double *to, int32_t k, int32_t x, int32_t n)
 {
     const ntp__axis *axis = &j->plan->x;
-    const ntp__span_of_taps span = axis->span[x];
     const int32_t *weight = axis->weight + (ptrdiff_t) x * axis->stride;
-    const bool inside = span.first >= 0 && span.first + span.count <= axis->src;
-    double sum[3] = { 0, 0, 0 }, total = 0, negative = 0, used = 0;
-    for (int32_t t = 0; t < span.count; t++) {
-        const int32_t at = inside ? span.first + t : ntp__axis_map(axis, span.first + t);
-        const double w = weight[t], here = j->quick[SUM_WEIGHT][at];
-        for (int32_t k = 0; k < 3; k++)
-            sum[k] += w * j->quick[k][at];
-        total += w * here;
-        used += fabs(here);
-        negative += fabs(j->quick[SUM_NEGATIVE][at]);
+    for (int32_t i = 0; i < n; i++, weight += axis->stride) {
+        const ntp__span_of_taps span = axis->span[x + i];
+        double sum = 0;
+        if (span.first < 0 || span.first + span.count > axis->src) {
+            for (int32_t t = 0; t < span.count; t++) {
+                const int32_t at = ntp__axis_map(axis, span.first + t);
+                sum += weight[t] * (j->quickly ? j->quick[k][at] : (double) j->sum[k][at]);
+            }
+        } else if (j->quickly) {
+            const double *column = j->quick[k] + span.first;
+            for (int32_t t = 0; t < span.count; t++)
+                sum += weight[t] * column[t];
+        } else {
+            const int64_t *column = j->sum[k] + span.first;
+            for (int32_t t = 0; t < span.count; t++)
+                sum += weight[t] * (double) column[t];
+        }
+        to[i] = sum;
     }
-    const bool none = used == 0 || total <= 0;
-    for (int32_t k = 0; k < 3; k++)
-        v->c[k][i] = none ? 0.0 : sum[k];
-    if (v->c[2][i] < 0 && negative == 0)
-        v->c[2][i] = 0.0;
-    if (j->most < 0x1p53 || used == 0)
-        return false;
-    const double error = j->most * span.count * 0x1p-52;
-    const double length2 = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
-    return fabs(total) <= error || fabs(sum[2]) <= error || length2 <= error * error * 0x1p80;
+}
+
+/*
+ * ntp__i128_ratio of a and b > 0 that are off by `error` at most; false if it is not known.  a / b is off by
+ * (1 + |a / b|) error / b and by its own rounding.  A quotient beyond the levels is not near one of them, unless that
+ * is more than a half.  Exact integers have quotients that are halves, or 1 / (2b) away from these: that
+ * is more than the roundings, which are monotone.
+ */
+static bool ratio_quickly(int32_t *level, double a, double b, double error, int32_t max)
+{
+    const double off = error == 0 && b < 0x1p34 ? 0 : (max + 3) * error / b + 0x1p-30;
+    const double q = a / b, held = q > -1 ? q < max + 1 ? q : max + 1 : -1;
+    const double above = held + 1.5; /* positive, so that a cast is a floor */
+    const int32_t whole = (int32_t) above;
+    *level = whole < 1 ? 0 : whole > max + 1 ? max : whole - 1;
+    return above - whole >= off && 1 - (above - whole) > off;
+}
+
+/*
+ * How far a sum in doubles over so many columns is off.  Columns of 63 bits are rounded, and so are their products
+ * and, but for the first, their sums: that is count + 1 times 2^-53 of the greatest sum there can be.
+ */
+static double error_of(const job *j, int32_t count)
+{
+    return j->most < 0x1p53 ? 0 : j->most * (count + 1) * 0x1p-52;
+}
+
+/* Decides what may be 0 in vector i, that of texel x, and the total of its weights; is it too inexact? */
+static bool judge(const job *j, ntp__vectors *v, double *total, int32_t i, int32_t x)
+{
+    const double error = error_of(j, j->plan->x.span[x].count);
+    if (fabs(total[i]) <= error && !any_other(j, SUM_WEIGHT, x))
+        total[i] = -INFINITY;
+    const bool none = total[i] <= 0;
+    for (int32_t k = 0; k < 3 && none; k++)
+        v->c[k][i] = 0;
+    const double a = v->c[0][i], b = v->c[1][i], c = v->c[2][i];
+    if (c < 0 && overshot(j, x))
+        v->c[2][i] = 0;
+    /* A component over the length is off by 2^-33, as kernels.h says. */
+    return error > 0 && total[i] != -INFINITY &&
+           (fabs(total[i]) <= error ||
+            (!none && (fabs(c) <= error || a * a + b * b + c * c <= error * error * 0x1p68)));
+}
+
+/* The third sample of NTP_ENCODING_XY, and alpha, of n texels of row y. */
+static void resize_samples(const job *j, ntp__block *out, const double *total, int32_t x, int32_t y,
+                           int32_t n)
+{
+    double alpha[NTP__BLOCK], extra[NTP__BLOCK];
+    if (j->sum[SUM_ALPHA] != NULL)
+        across_quickly(j, alpha, SUM_ALPHA, x, n);
+    if (j->sum[SUM_EXTRA] != NULL)
+        across_quickly(j, extra, SUM_EXTRA, x, n);
+    for (int32_t i = 0; i < n; i++) {
+        const ntp__span_of_taps span = j->plan->x.span[x + i];
+        const double error = error_of(j, span.count);
+        const double one = (double) span.total * j->plan->y.span[y].total;
+        const bool none = total[i] <= 0;
+        bool known = error == 0 || fabs(total[i]) > error;
+        if (j->sum[SUM_EXTRA] != NULL && !none)
+            known &= ratio_quickly(&out->c[2][i], extra[i], total[i], error, j->m);
+        if (j->sum[SUM_ALPHA] != NULL)
+            known &= ratio_quickly(&out->c[3][i], alpha[i], one, error, j->m);
+        if (!known)
+            resize_samples_exactly(j, out, i, x + i, y);
+        else if (none && j->sum[SUM_ALPHA] != NULL &&
+                 !(j->plan->how.touch_unused & NTP_UNUSED_TRANSPARENT))
+            out->c[3][i] = 0;
+    }
 }
 
 /* n texels of row y of the result, from the sums of the columns. */
 static void resize_run(const job *j, ntp__block *out, int32_t x, int32_t y, int32_t n)
 {
-    const bool samples = j->sum[SUM_EXTRA] != NULL || j->sum[SUM_ALPHA] != NULL;
-    int32_t doubt[NTP__BLOCK] = { 0 };
+    int32_t doubt[NTP__BLOCK];
     bool inexact[NTP__BLOCK];
+    double total[NTP__BLOCK];
     ntp__vectors v;
+    across_quickly(j, total, SUM_WEIGHT, x, n);
+    for (int32_t k = 0; k < 3; k++)
+        across_quickly(j, v.c[k], k, x, n);
     for (int32_t i = 0; i < n; i++) {
         out->c[2][i] = j->m;
-        inexact[i] = j->quickly ? across_quickly(j, &v, i, x + i) : true;
+        inexact[i] = judge(j, &v, total, i, x + i);
     }
-    if (j->quickly)
+    const bool any =
         ntp__block_directions(out, doubt, &v, n, j->m, j->src->encoding, j->most < 0x1p53);
     for (int32_t i = 0; i < n; i++) {
-        if (inexact[i] || doubt[i])
+        if (inexact[i] || (any && doubt[i]))
             resize_texel(j, out, i, x + i);
-        if (samples)
-            resize_samples(j, out, i, x + i, y);
     }
+    if (j->sum[SUM_EXTRA] != NULL || j->sum[SUM_ALPHA] != NULL)
+        resize_samples(j, out, total, x, y, n);
 }
 
 /* The source columns of columns x0..x1 - 1 of the result: all columns if some lie outside. */
@@ -447,7 +531,8 @@ ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const nt
         j.strip = (ntp__strip *) (void *) (strip + (-(uintptr_t) strip % NTP__LINE));
     }
     for (size_t k = 0; k < SUMS; k++) {
-        const bool needed = k == SUM_ALPHA   ? alpha
+        const bool needed = k == SUM_ALPHA      ? alpha
+                            : k == SUM_NEGATIVE ? plan->how.filter == NTP_FILTER_LANCZOS3
                             : k == SUM_EXTRA ? src->encoding == NTP_ENCODING_XY && src->channels > 2
                                              : true;
         j.sum[k] = needed ? (int64_t *) (void *) ((char *) scratch + k * plane) : NULL;
