@@ -118,89 +118,10 @@ ntp_rows ntp_resize_rows(const ntp_resize_plan *plan, int32_t y)
     return rows;
 }
 
-/* A run of texels of row y, each times w. */
-typedef struct terms {
-    ntp__vectors v;
-    double by[NTP__BLOCK], alpha[NTP__BLOCK]; /* w times the weight, and times alpha */
-    double extra[NTP__BLOCK];
-} terms;
-
-static void unpack_terms(const job *j, terms *r, int32_t x, int32_t y, int32_t n, double w)
+/* The place of column i of the source in the sums. */
+static int32_t place_of(const job *j, int32_t i)
 {
-    ntp__block block;
-    ntp__unpack(&block, j->src, x, y, n);
-    ntp__block_vectors(&r->v, &block, n, j->m, j->src->encoding);
-    for (int32_t i = 0; i < n; i++) {
-        r->alpha[i] = w * block.c[3][i];
-        r->extra[i] = block.c[2][i];
-        r->by[i] = w;
-    }
-    if (j->weighted)
-        memcpy(r->by, r->alpha, (size_t) n * sizeof r->by[0]);
-    if (!ntp__any_suspect(&block, n, j->m))
-        return;
-    for (int32_t i = 0; i < n; i++) {
-        if (ntp__texel_unused(&block, i, j->m, j->plan->how.touch_unused))
-            r->by[i] = 0;
-    }
-}
-
-static void add_whole(int64_t *restrict sum, const double *restrict v, const double *restrict by,
-                      int32_t n)
-{
-    for (int32_t i = 0; i < n; i++)
-        sum[i] += (int64_t) v[i] * (int64_t) by[i];
-}
-
-static void add_scaled(double *restrict sum, const double *restrict v, const double *restrict by,
-                       int32_t n)
-{
-    for (int32_t i = 0; i < n; i++)
-        sum[i] += v[i] * by[i];
-}
-
-/* Adds them to the sums of their columns. */
-static void add_run(const job *j, int32_t x, int32_t y, int32_t n, int32_t w)
-{
-    terms r;
-    double one[NTP__BLOCK];
-    unpack_terms(j, &r, x, y, n, w);
-    for (int32_t i = 0; i < n; i++)
-        one[i] = 1;
-    const double *const of[SUMS] = { r.v.c[0], r.v.c[1], r.v.c[2], one, one, r.v.c[2], r.extra };
-    for (int32_t k = 0; k < SUMS; k++) {
-        const double *by = k == SUM_ALPHA ? r.alpha : r.by;
-        if (j->sum[k] == NULL)
-            continue;
-        if (k == SUM_NEGATIVE) {
-            /* Nothing cancels what is counted. */
-            for (int32_t i = 0; i < n; i++)
-                r.v.c[2][i] = r.v.c[2][i] < 0 ? fabs(by[i]) : 0;
-            by = one;
-        }
-        if (j->quickly)
-            add_scaled(j->quick[k] + x, of[k], by, n);
-        else
-            add_whole(j->sum[k] + x, of[k], by, n);
-    }
-}
-
-/* The sums of columns x0..x1 - 1 for row y of the result. */
-static void add_rows(const job *j, int32_t y, int32_t x0, int32_t x1)
-{
-    const ntp__axis *axis = &j->plan->y;
-    for (int32_t k = 0; k < SUMS; k++) {
-        for (int32_t x = x0; j->quickly && j->quick[k] != NULL && x < x1; x++)
-            j->quick[k][x] = 0.0;
-        for (int32_t x = x0; !j->quickly && j->sum[k] != NULL && x < x1; x++)
-            j->sum[k][x] = 0;
-    }
-    for (int32_t t = 0; t < axis->span[y].count; t++) {
-        int32_t w = axis->weight[(ptrdiff_t) y * axis->stride + t];
-        int32_t row = ntp__axis_map(axis, axis->span[y].first + t);
-        for (int32_t x = x0; w != 0 && x < x1; x += NTP__BLOCK)
-            add_run(j, x, row, x1 - x < NTP__BLOCK ? x1 - x : NTP__BLOCK, w);
-    }
+    return j->rows != NULL ? i - j->first : ntp__axis_map(&j->plan->x, i);
 }
 
 static int64_t column_of(const job *j, int32_t k, int32_t i)
@@ -215,7 +136,7 @@ static ntp__i128 across(const job *j, int32_t k, int32_t x)
     const int32_t *weight = axis->weight + (ptrdiff_t) x * axis->stride;
     int64_t high = 0, low = 0;
     for (int32_t t = 0; t < axis->span[x].count; t++) {
-        int64_t c = column_of(j, k, ntp__axis_map(axis, axis->span[x].first + t));
+        int64_t c = column_of(j, k, place_of(j, axis->span[x].first + t));
         int64_t rest = (int64_t) ((uint64_t) c & 0xffffffffu);
         low += weight[t] * rest;
         high += weight[t] * ((c - rest) / 4294967296);
@@ -228,7 +149,7 @@ static bool any_other(const job *j, int32_t k, int32_t x)
 {
     const ntp__axis *axis = &j->plan->x;
     for (int32_t t = 0; t < axis->span[x].count; t++) {
-        if (column_of(j, k, ntp__axis_map(axis, axis->span[x].first + t)) != 0)
+        if (column_of(j, k, place_of(j, axis->span[x].first + t)) != 0)
             return true;
     }
     return false;
@@ -283,18 +204,19 @@ static void across_quickly(const job *j, double *to, int32_t k, int32_t x, int32
     const int32_t *weight = axis->weight + (ptrdiff_t) x * axis->stride;
     for (int32_t i = 0; i < n; i++, weight += axis->stride) {
         const ntp__span_of_taps span = axis->span[x + i];
+        const int32_t first = span.first - j->first;
         double sum = 0;
-        if (span.first < 0 || span.first + span.count > axis->src) {
+        if (j->rows == NULL && (first < 0 || first + span.count > axis->src)) {
             for (int32_t t = 0; t < span.count; t++) {
-                const int32_t at = ntp__axis_map(axis, span.first + t);
+                const int32_t at = place_of(j, first + t);
                 sum += weight[t] * (j->quickly ? j->quick[k][at] : (double) j->sum[k][at]);
             }
         } else if (j->quickly) {
-            const double *column = j->quick[k] + span.first;
+            const double *column = j->quick[k] + first;
             for (int32_t t = 0; t < span.count; t++)
                 sum += weight[t] * column[t];
         } else {
-            const int64_t *column = j->sum[k] + span.first;
+            const int64_t *column = j->sum[k] + first;
             for (int32_t t = 0; t < span.count; t++)
                 sum += weight[t] * (double) column[t];
         }
@@ -397,11 +319,15 @@ static void resize_run(const job *j, ntp__block *out, int32_t x, int32_t y, int3
 }
 
 /* The source columns of columns x0..x1 - 1 of the result: all columns if some lie outside. */
-static void columns_of(int32_t *first, int32_t *end, const ntp__axis *axis, int32_t x0, int32_t x1)
+static void columns_of(const job *j, int32_t *first, int32_t *end, int32_t x0, int32_t x1)
 {
+    const ntp__axis *axis = &j->plan->x;
     *first = axis->span[x0].first;
     *end = axis->span[x1 - 1].first + axis->span[x1 - 1].count;
-    if (*first < 0 || *end > axis->src) {
+    if (j->rows != NULL) {
+        *first = 0;
+        *end = j->columns;
+    } else if (*first < 0 || *end > axis->src) {
         *first = 0;
         *end = axis->src;
     }
@@ -465,6 +391,31 @@ static int32_t resize_strip(const job *j, const ntp_rect *rect)
     return strip.x1;
 }
 
+static void resize_area(const job *j, const ntp_rect *rect)
+{
+    int32_t first, end;
+    columns_of(j, &first, &end, rect->x0, rect->x1);
+    ntp__block out;
+    for (int32_t y = rect->y0; y < rect->y1; y++) {
+        ntp__sum_columns(j, y, first, end);
+        for (int32_t x = rect->x0; x < rect->x1; x += NTP__BLOCK) {
+            int32_t n = rect->x1 - x < NTP__BLOCK ? rect->x1 - x : NTP__BLOCK;
+            resize_run(j, &out, x, y, n);
+            ntp__store_levels(j->dst, &out, x, y, n);
+        }
+    }
+}
+
+/* As resize_strip, with rows that are kept. */
+static int32_t resize_kept(const job *j, const ntp_rect *rect)
+{
+    job kept = *j;
+    ntp_rect strip = *rect;
+    strip.x1 = ntp__keep_rows(&kept, rect->x0, rect->x1);
+    resize_area(&kept, &strip);
+    return strip.x1;
+}
+
 /* Strips as high as the image would touch a memory page for each row.  What one has read of a line
  * of the cache is to be there when the next one wants the rest. */
 static void resize_strips(const job *j, const ntp_rect *rect)
@@ -477,22 +428,7 @@ static void resize_strips(const job *j, const ntp_rect *rect)
     for (ntp_rect band = *rect; band.y0 < rect->y1; band.y0 = band.y1) {
         band.y1 = rect->y1 - band.y0 < most ? rect->y1 : band.y0 + most;
         for (band.x0 = rect->x0; band.x0 < rect->x1;)
-            band.x0 = resize_strip(j, &band);
-    }
-}
-
-static void resize_area(const job *j, const ntp_rect *rect)
-{
-    int32_t first, end;
-    columns_of(&first, &end, &j->plan->x, rect->x0, rect->x1);
-    ntp__block out;
-    for (int32_t y = rect->y0; y < rect->y1; y++) {
-        add_rows(j, y, first, end);
-        for (int32_t x = rect->x0; x < rect->x1; x += NTP__BLOCK) {
-            int32_t n = rect->x1 - x < NTP__BLOCK ? rect->x1 - x : NTP__BLOCK;
-            resize_run(j, &out, x, y, n);
-            ntp__store_levels(j->dst, &out, x, y, n);
-        }
+            band.x0 = (j->strip != NULL ? resize_strip : resize_kept)(j, &band);
     }
 }
 
@@ -525,11 +461,6 @@ ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const nt
     const double level = (double) j.m * (j.weighted ? j.m : 1);
     j.quickly = (double) plan->y.most * level < 0x1p53;
     j.most = (double) plan->y.most * (double) plan->x.most * level;
-    if (j.quickly && src->channels == 3 && src->encoding != NTP_ENCODING_XY &&
-        ntp__strip_size(plan) > 0) {
-        char *strip = (char *) scratch + columns_size(plan);
-        j.strip = (ntp__strip *) (void *) (strip + (-(uintptr_t) strip % NTP__LINE));
-    }
     for (size_t k = 0; k < SUMS; k++) {
         const bool needed = k == SUM_ALPHA      ? alpha
                             : k == SUM_NEGATIVE ? plan->how.filter == NTP_FILTER_LANCZOS3
@@ -538,7 +469,15 @@ ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const nt
         j.sum[k] = needed ? (int64_t *) (void *) ((char *) scratch + k * plane) : NULL;
         j.quick[k] = (double *) (void *) j.sum[k];
     }
-    (j.strip != NULL ? resize_strips : resize_area)(&j, &rect);
+    if (ntp__strip_size(plan) > 0) {
+        char *strip = (char *) scratch + columns_size(plan);
+        strip += -(uintptr_t) strip % NTP__LINE;
+        if (j.quickly && src->channels == 3 && src->encoding != NTP_ENCODING_XY)
+            j.strip = (ntp__strip *) (void *) strip;
+        else
+            ntp__find_room(&j, strip, ntp__strip_size(plan) - NTP__LINE);
+    }
+    (j.strip != NULL || j.rows != NULL ? resize_strips : resize_area)(&j, &rect);
     return NTP_OK;
 }
 

@@ -38,9 +38,22 @@ typedef struct ntp__resize_job {
     ntp__strip *strip; /* NULL: the texture or the filter is not for strips */
     double most;       /* the greatest sum of |weight| of a texel, with alpha */
     int32_t m;
-    bool weighted; /* with alpha */
-    bool quickly;  /* the columns are in quick */
+    double *rows;           /* those that resize_columns.c keeps; NULL: none */
+    int32_t *held;          /* which these are */
+    int32_t room;           /* columns that a row may have */
+    int32_t first, columns; /* that it has; they may lie outside */
+    bool weighted;          /* with alpha */
+    bool quickly;           /* the columns are in quick */
 } ntp__resize_job;
+
+/* Finds j->rows in memory that is aligned; leaves it NULL if a texel has too many columns. */
+void ntp__find_room(ntp__resize_job *j, void *memory, size_t size);
+
+/* Begins to keep rows for columns x0.. of the result; returns the end of those that there is room for, at most x1. */
+int32_t ntp__keep_rows(ntp__resize_job *j, int32_t x0, int32_t x1);
+
+/* The sums of columns x0..x1 - 1 for row y of the result; of kept rows, counted from j->first on. */
+void ntp__sum_columns(const ntp__resize_job *j, int32_t y, int32_t x0, int32_t x1);
 
 /* The bytes of a strip, and of what aligns it; 0 if the filter of the plan is too wide. */
 size_t ntp__strip_size(const ntp_resize_plan *plan);
