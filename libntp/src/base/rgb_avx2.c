@@ -130,6 +130,8 @@ void ntp__pack_rgb_avx2(void *dst, const ntp__block *block, int32_t n, bool deep
         PACK(put16, 6, 0);
     else
         PACK(put8, 3, 4);
+    /* GCC leaves this out after copy(), and then plain C is slow. */
+    _mm256_zeroupper();
 }
 
 /* Pixels as numbers, and the range of their samples. */

@@ -271,6 +271,7 @@ static bool judge(const job *j, ntp__vectors *v, double *total, int32_t i, int32
 static void resize_samples(const job *j, ntp__block *out, const double *total, int32_t x, int32_t y,
                            int32_t n)
 {
+    const double level = j->weighted ? j->m : 1; /* which sums of alpha are not multiplied by */
     double alpha[NTP__BLOCK], extra[NTP__BLOCK];
     if (j->sum[SUM_ALPHA] != NULL)
         across_quickly(j, alpha, SUM_ALPHA, x, n);
@@ -285,7 +286,7 @@ static void resize_samples(const job *j, ntp__block *out, const double *total, i
         if (j->sum[SUM_EXTRA] != NULL && !none)
             known &= ratio_quickly(&out->c[2][i], extra[i], total[i], error, j->m);
         if (j->sum[SUM_ALPHA] != NULL)
-            known &= ratio_quickly(&out->c[3][i], alpha[i], one, error, j->m);
+            known &= ratio_quickly(&out->c[3][i], alpha[i], one, error / level, j->m);
         if (!known)
             resize_samples_exactly(j, out, i, x + i, y);
         else if (none && j->sum[SUM_ALPHA] != NULL &&

@@ -135,12 +135,8 @@ void ntp__sum_columns(const job *j, int32_t y, int32_t x0, int32_t x1)
     double room[SUMS][NTP__BLOCK], *terms[SUMS];
     for (int32_t k = 0; k < SUMS; k++) {
         terms[k] = j->sum[k] != NULL ? room[k] : NULL;
-        for (int32_t x = x0; terms[k] != NULL && x < x1; x++) {
-            if (j->quickly)
-                j->quick[k][x] = 0.0;
-            else
-                j->sum[k][x] = 0;
-        }
+        if (j->sum[k] != NULL)
+            memset(j->sum[k] + x0, 0, (size_t) (x1 - x0) * sizeof *j->sum[k]); /* also 0.0 */
     }
     for (int32_t t = 0; t < axis->span[y].count; t++) {
         const int32_t w = axis->weight[(ptrdiff_t) y * axis->stride + t],
