@@ -12,6 +12,7 @@
  * summed again in 32 bits for RGB (resize_strip.c), and the few results that these cannot decide are computed again
  * with the sums above.
  */
+#include "base/inlining.h"
 #include "texel/direction.h"
 #include "texel/unused.h"
 #include "texel/level.h"
@@ -130,7 +131,7 @@ static int64_t column_of(const job *j, int32_t k, int32_t i)
 }
 
 /* The sum over the columns of texel x.  Columns of 63 bits are summed in two halves. */
-static ntp__i128 across(const job *j, int32_t k, int32_t x)
+static SELDOM ntp__i128 across(const job *j, int32_t k, int32_t x)
 {
     const ntp__axis *axis = &j->plan->x;
     const int32_t *weight = axis->weight + (ptrdiff_t) x * axis->stride;
@@ -145,7 +146,7 @@ static ntp__i128 across(const job *j, int32_t k, int32_t x)
 }
 
 /* Is sum k of a column of texel x other than 0? */
-static bool any_other(const job *j, int32_t k, int32_t x)
+static SELDOM bool any_other(const job *j, int32_t k, int32_t x)
 {
     const ntp__axis *axis = &j->plan->x;
     for (int32_t t = 0; t < axis->span[x].count; t++) {
@@ -162,7 +163,8 @@ static bool overshot(const job *j, int32_t x)
 }
 
 /* The third sample of NTP_ENCODING_XY, and alpha. */
-static void resize_samples_exactly(const job *j, ntp__block *out, int32_t i, int32_t x, int32_t y)
+static SELDOM void resize_samples_exactly(const job *j, ntp__block *out, int32_t i, int32_t x,
+                                          int32_t y)
 {
     const ntp__axis *axis = &j->plan->x;
     ntp__i128 weight = across(j, SUM_WEIGHT, x);
@@ -184,7 +186,7 @@ static void put_direction(const job *j, ntp__block *out, int32_t i, const ntp__i
         out->c[k][i] = c[k];
 }
 
-static void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x)
+static SELDOM void resize_texel(const job *j, ntp__block *out, int32_t i, int32_t x)
 {
     ntp__i128 v[3], weight = across(j, SUM_WEIGHT, x);
     /* Negative weights of Lanczos can outweigh the others where many texels are unused. */

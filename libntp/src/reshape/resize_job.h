@@ -20,7 +20,7 @@ enum {
     SUM_Z,
     SUM_WEIGHT, /* alpha of used texels, or 1 */
     SUM_ALPHA,
-    SUM_NEGATIVE, /* not 0: texels with z < 0 */
+    SUM_NEGATIVE, /* not 0: texels with z < 0; only Lanczos has it */
     SUM_EXTRA,    /* third sample of NTP_ENCODING_XY, weighted */
     SUMS
 };
