@@ -139,6 +139,31 @@ def test_short_vectors_among_unused_texels(color):
 
 
 @pytest.mark.parametrize("m", TYPES)
+@pytest.mark.parametrize("channels", [3, 4])
+def test_rows_of_more_columns_than_are_kept_at_once(channels, m):
+    """As many as three strips have, with alpha and with the third sample of XY."""
+    src = noise((7, 700, channels), m, channels, "any")
+    encoding = ntp.XY if channels == 3 else ntp.STANDARD
+    for filter, border in ((BOX, WRAP), (TRIANGLE, MIRROR)):
+        got = resize(src, (350, 3), filter, border, encoding).tolist()
+        want = resize_by_model(src.tolist(), m, (350, 3), filter, (border, border), NAMES[encoding])
+        assert got == [[t for t, _ in row] for row in want], filter
+
+
+@pytest.mark.parametrize("m", TYPES)
+@pytest.mark.parametrize("channels", [3, 4])
+def test_samples_between_two_levels_are_rounded_up(channels, m):
+    """Halved by Lanczos, a step amid the taps is a mean; its sums are beyond the integers of doubles."""
+    src = np.full((8, 24, channels), m // 2 + 1, TYPES[m])
+    encoding = ntp.XY if channels == 3 else ntp.STANDARD
+    for level in range(1, m, m // 85 * 2 - 1):
+        src[:, :13, -1] = level
+        src[:, 13:, -1] = level + 1
+        got = resize(src, (12, 4), LANCZOS3, CLAMP, encoding)
+        assert (got[:, 6, -1] == level + 1).all(), level
+
+
+@pytest.mark.parametrize("m", TYPES)
 @pytest.mark.parametrize("width", [24, 6, 12, 9])
 def test_rows_of_no_weight_do_not_decide_whether_lanczos_overshot(width, m):
     """Where the height stays, rows are resized one by one, however negative the z of others is."""

@@ -4,7 +4,8 @@
  *
  * This room makes new normals of old ones: in another size, turned, stronger, or with a detail.
  * New vectors are exact integers, and only their direction is rounded, once (texel/direction.h).
- *   resize.c          ntp_resize: sums of weighted vectors; sides of mip levels
+ *   resize.c          ntp_resize: sums of weighted vectors
+ *   resize_plan.c     what it knows before; sides of mip levels
  *   resize_columns.c  its sums of columns
  *   resize_strip.c    its quick way for RGB, with resize_kernels.c and resize_avx2.c; resize_job.h
  *   resize_exact_avx2.c  what floats do not decide of halved 8 bit; resize_avx512.c: the busiest loops

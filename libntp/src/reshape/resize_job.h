@@ -13,6 +13,11 @@ struct ntp_resize_plan {
     ntp__axis x, y;
 };
 
+static inline size_t ntp__align16(size_t n)
+{
+    return (n + 15) / 16 * 16;
+}
+
 /* What is summed up. */
 enum {
     SUM_X,
