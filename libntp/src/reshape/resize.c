@@ -216,7 +216,7 @@ static void resize_run(const job *j, ntp__block *out, int32_t x, int32_t y, int3
     ntp__vectors v;
     across_quickly(j, total, SUM_WEIGHT, x, n);
     for (int32_t k = 0; k < 3; k++)
-        across_quickly(j, v.c[k], k, x, n);
+        across_quickly(j, &v.c[k][0], k, x, n);
     for (int32_t i = 0; i < n; i++) {
         out->c[2][i] = j->m;
         inexact[i] = judge(j, &v, total, i, x + i);
