@@ -121,17 +121,24 @@ static void across_quickly(const job *j, double *to, int32_t k, int32_t x, int32
     for (int32_t i = 0; i < n; i++, weight += axis->stride) {
         const ntp__span_of_taps span = axis->span[x + i];
         const int32_t first = span.first - j->first;
-        double sum = 0;
-        if (j->rows != NULL && j->quickly) {
+        const bool inside = j->rows != NULL || (first >= 0 && first + span.count <= axis->src);
+        double sum = 0, other = 0; /* two sums, so that none waits for the other */
+        int32_t t = 0;
+        if (j->quickly && inside) {
             const double *column = j->quick[k] + first;
-            for (int32_t t = 0; t < span.count; t++)
+            for (; t + 1 < span.count; t += 2) {
                 sum += weight[t] * column[t];
-        } else {
-            for (int32_t t = 0; t < span.count; t++) {
-                const int32_t at = place_of(j, span.first + t);
-                sum += weight[t] * (j->quickly ? j->quick[k][at] : (double) j->sum[k][at]);
+                other += weight[t + 1] * column[t + 1];
             }
+            if (t < span.count)
+                sum += weight[t] * column[t];
+            t = span.count;
         }
+        for (; t < span.count; t++) {
+            const int32_t at = place_of(j, span.first + t);
+            sum += weight[t] * (j->quickly ? j->quick[k][at] : (double) j->sum[k][at]);
+        }
+        sum += other;
         to[i] = sum;
     }
 }
@@ -320,18 +327,17 @@ static void resize_area(const job *j, const ntp_rect *rect)
 }
 
 /* As resize_strip, with rows that are kept. */
-static int32_t resize_kept(const job *j, const ntp_rect *rect)
+static int32_t resize_kept(job *j, const ntp_rect *rect)
 {
-    job kept = *j;
     ntp_rect strip = *rect;
-    strip.x1 = ntp__keep_rows(&kept, rect->x0, rect->x1);
-    resize_area(&kept, &strip);
+    strip.x1 = ntp__keep_rows(j, rect->x0, rect->x1);
+    resize_area(j, &strip);
     return strip.x1;
 }
 
 /* Strips as high as the image would touch a memory page for each row.  What one has read of a line
  * of the cache is to be there when the next one wants the rest. */
-static void resize_strips(const job *j, const ntp_rect *rect)
+static void resize_strips(job *j, const ntp_rect *rect)
 {
     enum { LEAST = 64, MOST = 256, BYTES = 1536 /* in a column of the source */ };
     const ntp__axis *y = &j->plan->y;
@@ -341,7 +347,7 @@ static void resize_strips(const job *j, const ntp_rect *rect)
     for (ntp_rect band = *rect; band.y0 < rect->y1; band.y0 = band.y1) {
         band.y1 = rect->y1 - band.y0 < most ? rect->y1 : band.y0 + most;
         for (band.x0 = rect->x0; band.x0 < rect->x1;)
-            band.x0 = (j->strip != NULL ? resize_strip : resize_kept)(j, &band);
+            band.x0 = j->strip != NULL ? resize_strip(j, &band) : resize_kept(j, &band);
     }
 }
 
@@ -390,6 +396,9 @@ ntp_status ntp_resize(const ntp_image *dst, const ntp_const_image *src, const nt
         else
             ntp__find_room(&j, strip, ntp__strip_size(plan) - NTP__LINE);
     }
-    (j.strip != NULL || j.rows != NULL ? resize_strips : resize_area)(&j, &rect);
+    if (j.strip != NULL || j.rows != NULL)
+        resize_strips(&j, &rect);
+    else
+        resize_area(&j, &rect);
     return NTP_OK;
 }
