@@ -193,7 +193,7 @@ typedef struct sizes {
 } sizes;
 
 /* Instead of how rough; there are stripes of x, y, z. */
-enum { OPPOSITE = -7, SHORT, STEEP, STRIPES, SPOTS = -1 };
+enum { OPPOSITE = -7, SHORT_SUM, STEEP, STRIPES, SPOTS = -1 };
 
 static void compare_sizes(const sizes *s, int32_t kind, int32_t rough, int32_t unused,
                           uint64_t *seed)
@@ -263,7 +263,7 @@ static void all_widths(uint64_t *seed)
                     third = { { 2 * width, 9 }, { width, 3 } };
         for (int32_t kind = 0; kind < 6; kind += 2) {
             compare_sizes(&half, kind, 100, width % 3 * 10, seed);
-            compare_sizes(&half, kind, SHORT, 0, seed);
+            compare_sizes(&half, kind, SHORT_SUM, 0, seed);
             compare_sizes(&half, kind, OPPOSITE, 0, seed);
             compare_sizes(&third, kind, OPPOSITE, 0, seed);
         }
