@@ -23,6 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
+import in_floats
 import normaltexture as nt
 
 try:
@@ -109,142 +110,18 @@ class Pictures:
             "32": np.empty(shape, np.float32),
             "mask": np.empty((size, size), np.uint8),
             "half8": np.empty((size // 2, size // 2, 3), np.uint8),
+            "half8a": np.empty((size // 2, size // 2, 4), np.uint8),
             "half16": np.empty((size // 2, size // 2, 3), np.uint16),
         }
         for buffer in self.out.values():
             buffer.fill(1)  # the first touch of memory is not measured
 
 
-# ---------------------------------------------------------- what a program without libntp would do
-
-
-def floats_of(texture):
-    """x, y, z as planes of float32 in -1..1."""
-    most = 255 if texture.dtype == np.uint8 else 65535
-    return [cv2.addWeighted(c, 2 / most, c, 0, -1, dtype=cv2.CV_32F) for c in cv2.split(texture)]
-
-
-def stored(x, y, z, out):
-    """Unit vectors of these planes, as levels."""
-    squares = cv2.multiply(x, x)
-    cv2.accumulateSquare(y, squares)
-    cv2.accumulateSquare(z, squares)
-    half = (255 if out.dtype == np.uint8 else 65535) / 2
-    factor = cv2.divide(half, cv2.sqrt(squares))
-    merged = cv2.merge([cv2.multiply(c, factor) for c in (x, y, z)])
-    if out.dtype == np.uint8:
-        cv2.convertScaleAbs(merged, out, 1, half)
-    else:
-        merged += np.float32(half + 0.5)
-        np.copyto(out, merged, casting="unsafe")
-
-
-def clean_floats(texture, out):
-    x, y, _ = floats_of(texture)
-    squares = cv2.multiply(x, x)
-    cv2.accumulateSquare(y, squares)
-    z = cv2.sqrt(cv2.max(1 - squares, 0.0))
-    stored(x, y, z, out)
-
-
-def normalize_floats(texture, out):
-    stored(*floats_of(texture), out)
-
-
-def flip_bytes(texture, out):
-    mask = np.zeros(1, texture.dtype)
-    cv2.bitwise_xor(texture, (0, int(~mask[0]), 0, 0), out)
-
-
-def deepen_floats(texture, out):
-    np.multiply(texture, np.uint16(257), out=out, dtype=np.uint16)
-
-
-def narrow_floats(texture, out):
-    cv2.convertScaleAbs(texture, out, 1 / 257)
-
-
-def zzero_floats(texture, out):
-    r, g, b = cv2.split(texture)
-    cv2.merge([r, g, cv2.convertScaleAbs(b, alpha=2, beta=-255)], out)
-
-
-def decode_floats(texture, out):
-    most = 255 if texture.dtype == np.uint8 else 65535
-    np.multiply(texture, np.float32(2 / most), out=out, dtype=np.float32)
-    out -= np.float32(1)
-
-
-def encode_floats(vectors, out):
-    stored(*cv2.split(vectors), out)
-
-
-def stronger_floats(texture, out):
-    x, y, z = floats_of(texture)
-    x *= np.float32(1.7)
-    y *= np.float32(1.7)
-    stored(x, y, z, out)
-
-
-def turned_floats(texture, out):
-    r, g, b = cv2.split(cv2.rotate(texture, cv2.ROTATE_90_CLOCKWISE))
-    cv2.merge([g, cv2.bitwise_not(r), b], out)
-
-
-def blend_floats(texture, other, out):
-    tx, ty, tz = floats_of(texture)
-    ux, uy, uz = floats_of(other)
-    tz += np.float32(1)
-    dot = cv2.multiply(tz, uz) - cv2.multiply(tx, ux) - cv2.multiply(ty, uy)
-    dot = cv2.divide(dot, tz + np.float32(1e-6))
-    stored(tx * dot + ux, ty * dot + uy, tz * dot - uz, out)
-
-
-def half_floats(texture, out):
-    side = (out.shape[1], out.shape[0])
-    planes = [cv2.resize(c, side, interpolation=cv2.INTER_AREA) for c in floats_of(texture)]
-    stored(*planes, out)
-
-
-def shaded_floats(texture, out):
-    x, y, z = floats_of(texture)
-    light = np.array((-1.0, 1.0, 1.2), np.float32) / np.float32(3.44**0.5)
-    half = light + np.array((0, 0, 1), np.float32)
-    half /= np.linalg.norm(half)
-    squares = cv2.multiply(x, x)
-    cv2.accumulateSquare(y, squares)
-    cv2.accumulateSquare(z, squares)
-    length = cv2.sqrt(squares)
-    lambert = cv2.max(cv2.divide(x * light[0] + y * light[1] + z * light[2], length), 0.0)
-    glint = cv2.max(cv2.divide(x * half[0] + y * half[1] + z * half[2], length), 0.0)
-    linear = lambert * np.float32(0.54) + cv2.pow(glint, 32) * np.float32(0.2) + np.float32(0.06)
-    gray = cv2.convertScaleAbs(cv2.sqrt(cv2.min(linear, 1.0)), alpha=255)
-    cv2.merge([gray, gray, gray], out)
-
-
-def compared_floats(texture, other):
-    a, b = floats_of(texture), floats_of(other)
-    squares = functools.reduce(
-        np.add, [cv2.multiply(p - q, p - q) for p, q in zip(a, b, strict=True)]
-    )
-    chord = cv2.sqrt(squares)
-    angles = 2 * np.arcsin(np.minimum(chord * np.float32(0.5), np.float32(1)))
-    return float(angles.mean()), float(angles.max()), int(cv2.absdiff(texture, other).max())
-
-
-def slopes_floats(height, scale, out):
-    h = height.astype(np.float32)
-    most = 65535 if height.dtype == np.uint16 else 1
-    p = cv2.Sobel(h, cv2.CV_32F, 1, 0, ksize=3, scale=-scale / (8 * most))
-    q = cv2.Sobel(h, cv2.CV_32F, 0, 1, ksize=3, scale=scale / (8 * most))
-    stored(p, q, np.ones_like(p), out)
-
-
 # ------------------------------------------------------------------------------------ operations
 
 
 def operations(p):
-    """(name, goal in copies, ours, theirs or None)."""
+    """(name, goal in copies or None, ours, theirs or None)."""
     out, std = p.out, {"type": "standard"}
     o8, o16 = out["8"], out["16"]
     plain = functools.partial
@@ -260,15 +137,15 @@ def operations(p):
 
     sobel = {"scale": p.scale, "kernel": "sobel3"}
     return [
-        ("clean, derive: RGB8", 2, clean(p.rgb8, "8"), theirs(clean_floats, p.rgb8, o8)),
+        ("clean, derive: RGB8", 2, clean(p.rgb8, "8"), theirs(in_floats.clean_floats, p.rgb8, o8)),
         ("clean, derive: damaged RGB8", 3, clean(p.damaged8, "8"), None),
         ("clean, derive: RGBA8", 3, clean(p.rgba8, "8a"), None),
-        ("clean, derive: RGB16", 3.3, clean(p.rgb16, "16"), theirs(clean_floats, p.rgb16, o16)),
+        ("clean, derive: RGB16", 3.3, clean(p.rgb16, "16"), theirs(in_floats.clean_floats, p.rgb16, o16)),
         ("clean, derive: damaged RGB16", 4.5, clean(p.damaged16, "16"), None),
         ("clean, normalize: damaged RGB8", 8, clean(p.damaged8, "8", "normalize"),
-         theirs(normalize_floats, p.damaged8, o8)),
+         theirs(in_floats.normalize_floats, p.damaged8, o8)),
         ("clean, normalize: damaged RGB16", 8, clean(p.damaged16, "16", "normalize"),
-         theirs(normalize_floats, p.damaged16, o16)),
+         theirs(in_floats.normalize_floats, p.damaged16, o16)),
         ("validate: RGB8", 2.5, plain(nt.validate, p.rgb8, **std, out=out["mask"]), None),
         ("validate: RGB16", 4, plain(nt.validate, p.rgb16, **std, out=out["mask"]), None),
         ("measure: RGB8", 6, plain(nt.measure, p.rgb8), None),
@@ -277,64 +154,74 @@ def operations(p):
         ("classify: RGB8", 6, plain(nt.classify, p.rgb8), None),
         ("classify: RGB16", 12, plain(nt.classify, p.rgb16), None),
         ("convert: RGB8 to 16 bit", 4, convert(p.rgb8, "16", depth=16),
-         theirs(deepen_floats, p.rgb8, o16)),
+         theirs(in_floats.deepen_floats, p.rgb8, o16)),
         ("convert: RGB16 to 8 bit", 4, convert(p.rgb16, "8", depth=8),
-         theirs(narrow_floats, p.rgb16, o8)),
+         theirs(in_floats.narrow_floats, p.rgb16, o8)),
         ("convert: RGB8 to Z-zero", 4, convert(p.rgb8, "8", to="zzero"),
-         theirs(zzero_floats, p.rgb8, o8)),
+         theirs(in_floats.zzero_floats, p.rgb8, o8)),
         ("convert: RGB16 to Z-zero", 4, convert(p.rgb16, "16", to="zzero"), None),
+        ("convert: RGB8 to floats in 0..1", None, convert(p.rgb8, "32", depth="float"),
+         theirs(in_floats.unit_floats, p.rgb8, out["32"])),
         ("convert: flip of RGB8", 1.5, convert(p.rgb8, "8", to_y="down"),
-         theirs(flip_bytes, p.rgb8, o8)),
+         theirs(in_floats.flip_bytes, p.rgb8, o8)),
         ("convert: flip of RGB16", 4, convert(p.rgb16, "16", to_y="down"),
-         theirs(flip_bytes, p.rgb16, o16)),
+         theirs(in_floats.flip_bytes, p.rgb16, o16)),
         ("heatmap: RGB8", 6, plain(nt.heatmap, p.rgb8, **std, out=o8), None),
         ("heatmap: RGB16", 6, plain(nt.heatmap, p.rgb16, **std, out=o8), None),
         ("shade: RGB8", 9, plain(nt.shade, p.rgb8, **std, out=o8),
-         theirs(shaded_floats, p.rgb8, o8)),
+         theirs(in_floats.shaded_floats, p.rgb8, o8)),
         ("shade: RGB16", 9, plain(nt.shade, p.rgb16, **std, out=o8),
-         theirs(shaded_floats, p.rgb16, o8)),
+         theirs(in_floats.shaded_floats, p.rgb16, o8)),
         ("compare: RGB8", 9, plain(nt.compare, p.rgb8, p.other8, **std),
-         theirs(compared_floats, p.rgb8, p.other8)),
+         theirs(in_floats.compared_floats, p.rgb8, p.other8)),
         ("compare: RGB16", 9, plain(nt.compare, p.rgb16, p.other16, **std),
-         theirs(compared_floats, p.rgb16, p.other16)),
+         theirs(in_floats.compared_floats, p.rgb16, p.other16)),
         ("decode: RGB8 to floats", 6, plain(nt.decode, p.rgb8, out=out["32"]),
-         theirs(decode_floats, p.rgb8, out["32"])),
+         theirs(in_floats.decode_floats, p.rgb8, out["32"])),
         ("decode: RGB16 to floats", 6, plain(nt.decode, p.rgb16, out=out["32"]),
-         theirs(decode_floats, p.rgb16, out["32"])),
+         theirs(in_floats.decode_floats, p.rgb16, out["32"])),
         ("encode: floats to 8 bit", 12, plain(nt.encode, p.vectors, out=o8),
-         theirs(encode_floats, p.vectors, o8)),
+         theirs(in_floats.encode_floats, p.vectors, o8)),
         ("encode: floats to 16 bit", 18, plain(nt.encode, p.vectors, depth=16, out=o16),
-         theirs(encode_floats, p.vectors, o16)),
+         theirs(in_floats.encode_floats, p.vectors, o16)),
         ("rotate by 90: RGB8", 5, plain(nt.transform, p.rgb8, **std, y="up", rotate=90, out=o8),
-         theirs(turned_floats, p.rgb8, o8)),
+         theirs(in_floats.turned_floats, p.rgb8, o8)),
         ("rotate by 90: RGB16", 5, plain(nt.transform, p.rgb16, **std, y="up", rotate=90, out=o16),
-         theirs(turned_floats, p.rgb16, o16)),
+         theirs(in_floats.turned_floats, p.rgb16, o16)),
+        ("rotate by 30: RGB8", None, plain(nt.transform, p.rgb8, **std, y="up", rotate=30, out=o8),
+         theirs(in_floats.rotated_floats, p.rgb8, o8)),
         ("strength 1.7: RGB8", 15, plain(nt.transform, p.rgb8, **std, y="up", strength=1.7, out=o8),
-         theirs(stronger_floats, p.rgb8, o8)),
+         theirs(in_floats.stronger_floats, p.rgb8, o8)),
         ("strength 1.7: RGB16", 15,
          plain(nt.transform, p.rgb16, **std, y="up", strength=1.7, out=o16),
-         theirs(stronger_floats, p.rgb16, o16)),
+         theirs(in_floats.stronger_floats, p.rgb16, o16)),
         ("blend: RGB8", 21, plain(nt.blend, p.rgb8, p.other8, **std, y="up", detail_y="up", out=o8),
-         theirs(blend_floats, p.rgb8, p.other8, o8)),
+         theirs(in_floats.blend_floats, p.rgb8, p.other8, o8)),
         ("blend: RGB16", 21,
          plain(nt.blend, p.rgb16, p.other16, **std, y="up", detail_y="up", out=o16),
-         theirs(blend_floats, p.rgb16, p.other16, o16)),
+         theirs(in_floats.blend_floats, p.rgb16, p.other16, o16)),
         ("resize to 50 %, triangle: RGB8", 12,
          plain(nt.resize, p.rgb8, **std, size="50%", out=out["half8"]), None),
         ("resize to 50 %, box: RGB8", 12,
          plain(nt.resize, p.rgb8, **std, size="50%", filter="box", out=out["half8"]),
-         theirs(half_floats, p.rgb8, out["half8"])),
+         theirs(in_floats.half_floats, p.rgb8, out["half8"])),
         ("resize to 50 %, box: RGB16", 12,
          plain(nt.resize, p.rgb16, **std, size="50%", filter="box", out=out["half16"]),
-         theirs(half_floats, p.rgb16, out["half16"])),
+         theirs(in_floats.half_floats, p.rgb16, out["half16"])),
         ("resize to 50 %, Lanczos: RGB8", 12,
          plain(nt.resize, p.rgb8, **std, size="50%", filter="lanczos3", out=out["half8"]), None),
+        ("resize to 50 %, box: RGBA8", None,
+         plain(nt.resize, p.rgba8, **std, size="50%", filter="box", out=out["half8a"]),
+         theirs(in_floats.half_with_alpha, p.rgba8, out["half8a"])),
         ("from-height, sobel3: u16 to 16 bit", 9,
          plain(nt.normals_from_height, p.height16, **sobel, depth=16, out=o16),
-         theirs(slopes_floats, p.height16, p.scale, o16)),
+         theirs(in_floats.slopes_floats, p.height16, p.scale, o16)),
         ("from-height, sobel3: float to 8 bit", 12,
          plain(nt.normals_from_height, p.height32, **sobel, depth=8, out=o8),
-         theirs(slopes_floats, p.height32, p.scale, o8)),
+         theirs(in_floats.slopes_floats, p.height32, p.scale, o8)),
+        ("from-height, sobel3: u16 to float vectors", None,
+         plain(nt.normals_from_height, p.height16, **sobel, to="vector", out=out["32"]),
+         theirs(in_floats.slope_vectors, p.height16, p.scale, out["32"])),
         ("from-height, sobel3, dithered: u16 to 8 bit", 30,
          plain(nt.normals_from_height, p.height16, **sobel, depth=8, dither="integrable", out=o8),
          None),
@@ -450,7 +337,7 @@ def print_made(args):
 
 
 def verdict(real, worst, beside, goal):
-    words = ["over its goal"] if real > goal else []
+    words = ["over its goal"] if goal is not None and real > goal else []
     if worst > NOISE_GOAL:
         words.append("noise is slow")
     if beside is not None and real > beside:
@@ -486,7 +373,7 @@ def main():
     for name, *times, goal in measured(args):
         words = verdict(times[0], times[3], times[4], goal)
         missed += bool(words)
-        row = line.format(name, *map(number, times), format(goal, "g"))
+        row = line.format(name, *map(number, times), "" if goal is None else format(goal, "g"))
         print(row if args.markdown else f"{row}  {words}", flush=True)
     if not args.markdown:
         print(f"{missed} rows beyond a goal" if missed else "all goals met", file=sys.stderr)
