@@ -177,7 +177,8 @@ static int32_t encode_precisely(int32_t *red, int32_t *green, int32_t *blue, int
     return round_slopes_double(red, green, blue, doubt, x, y, n, e);
 }
 
-/* Of what is closer to the middle of two floats ntp__gradient_exact has to know less than 2^-46 of it. */
+/* What is closer to the middle of two floats than this part of it is in doubt.  ntp__gradient_exact counts as wide
+ * what is closer than 2^-46 of it, so all of these have to get there. */
 static const double float_doubt = 0x1p-45;
 
 /* The error of (n + 1)/2 that does not shrink with it: 16u n/2. */
