@@ -68,8 +68,9 @@ def with_alpha(m, encoding):
 def test_floats_are_levels_of_16_bits(target, encoding, m):
     """To floats as to 16 bits; y is flipped as 1 - y, unless a texel is unused."""
     for channels, flip, touch in itertools.product((3, 4), (0, 1), (0, 7)):
-        src = np.ascontiguousarray(with_alpha(m, encoding)[..., :channels]).astype(DEPTHS[m])
-        assert src.shape[1] > 256
+        texels = np.tile(with_alpha(m, encoding), (1, 3, 1))[..., :channels]
+        src = np.ascontiguousarray(texels).astype(DEPTHS[m])
+        assert src.shape[1] > 1024 and src.shape[1] % 16 != 0
         levels, got = np.zeros(src.shape, np.uint16), np.zeros(src.shape, np.float32)
         counts = ntp.convert(src, levels, encoding, target, 0, 0, (0, touch))
         want = (levels / 65535).astype(np.float32)

@@ -43,8 +43,8 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most);
 /* Heights, and to or from float vectors: texel by texel; up to NTP__BLOCK of them. */
 ntp__convert_fn ntp__convert_each;
 
-/* Integers of at least three channels, not XY, to packed float vectors: n texels up to the whole
- * row. */
+/* Integers of at least three channels, not XY, to packed float vectors, or any to biased floats without a flip:
+ * n texels up to the whole row. */
 ntp__convert_fn ntp__decode;
 
 /* Packed samples of 8 or 16 bit to the same format, flipped if that is asked for; also of whole rows. */

@@ -26,18 +26,21 @@ enum { CHUNK = 48 /* samples: whole texels of 2, 3 and 4 channels */ };
 
 /* To float vectors: V/M, b/M.  v = c*times - less is the numerator over 2^8 or 2^16, which is exact.
  * With 1/M as a float, v + v/M is the quotient of numerator and M, rounded once, for all numerators
- * that there are (shown by tests/test_convert.py).  Unused texels are not flipped. */
+ * that there are (shown by tests/test_convert.py).  Unused texels are not flipped.  To biased floats all
+ * are c/M. */
 void ntp__decode(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
                  ntp_convert_counts *counts)
 {
     const int32_t channels = j->src->channels;
     const float m = (float) j->ms, unit = j->ms > 255 ? 0x1p-16F : 0x1p-8F, over = 1 / m;
     float *d = ntp__at_mut(j->dst, x, y);
-    const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
+    const int32_t signs = j->dst->encoding != NTP_ENCODING_VECTOR  ? 0
+                          : j->src->encoding == NTP_ENCODING_ZZERO ? 2
+                                                                   : 3;
     float times[4], less[4];
     int32_t done = 0;
     for (int32_t k = 0; k < 4; k++) {
-        const bool biased = k < (zzero ? 2 : 3);
+        const bool biased = k < signs;
         const float sign = k == 1 && j->flip ? -1 : 1;
         times[k] = sign * unit * (biased ? 2 : 1);
         less[k] = biased ? sign * unit * m : 0;

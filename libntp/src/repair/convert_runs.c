@@ -258,6 +258,56 @@ static void convert_rgb(const ntp__conversion *j, int32_t x, int32_t y, int32_t 
         n -= done + left;
     }
 }
+
+/* Flips biased floats, but those of unused texels; 1 - v is exact before it is rounded. */
+static void flip_floats(const ntp__conversion *j, int32_t x, int32_t y, int32_t n)
+{
+    ntp__block in;
+    for (int32_t at = 0, some; at < n; at += some) {
+        some = n - at < NTP__BLOCK ? n - at : NTP__BLOCK;
+        float *d = (float *) ntp__at_mut(j->dst, x + at, y) + 1;
+        ntp__unpack(&in, j->src, x + at, y, some);
+        const bool suspect = ntp__any_suspect(&in, some, j->ms);
+        for (int32_t i = 0; i < some; i++, d += j->dst->channels) {
+            if (!suspect || !ntp__texel_unused(&in, i, j->ms, j->how.touch_unused))
+                *d = 1 - *d;
+        }
+    }
+}
+
+/* Integers to packed biased floats: levels of 16 bit are made first, the quickest way that there is for them,
+ * and stay in the first cache. */
+static void convert_by_levels(const ntp__conversion *j, int32_t x, int32_t y, int32_t n,
+                              ntp_convert_counts *counts)
+{
+    enum { SOME = 4 * NTP__BLOCK };
+    uint16_t line[4 * SOME];
+    ntp_const_image src = *j->src;
+    ntp_image dst = *j->dst, levels = dst;
+    levels.data = line;
+    levels.type = NTP_TYPE_U16;
+    levels.pixel_stride = levels.channels * (ptrdiff_t) sizeof line[0];
+    const ntp_const_image made = ntp_image_as_const(&levels);
+    ntp__conversion to_levels = *j, to_floats = *j;
+    to_levels.src = &src;
+    to_levels.dst = &levels;
+    to_floats.src = &made;
+    to_floats.dst = &dst;
+    to_floats.ms = j->md;
+    to_levels.flip = to_floats.flip = false;
+    int32_t most = NTP__BLOCK;
+    ntp__convert_fn *const make = ntp__fast_conversion(&to_levels, &most);
+    most = most < SOME ? most : SOME;
+    for (int32_t at = 0; at < n; at += most) {
+        const int32_t some = n - at < most ? n - at : most;
+        src.data = ntp__at(j->src, x + at, y);
+        dst.data = ntp__at_mut(j->dst, x + at, y);
+        make(&to_levels, 0, 0, some, counts);
+        ntp__decode(&to_floats, 0, 0, some, counts);
+    }
+    if (j->flip)
+        flip_floats(j, x, y, n);
+}
 #endif
 
 /* Makes what is no vector 0; returns how many. */
@@ -384,6 +434,13 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most)
     const bool move = packed && j->src->type == j->dst->type && from == to;
     const bool to_vectors =
         packed && to == NTP_ENCODING_VECTOR && from != to && from != NTP_ENCODING_XY;
+#ifdef NTP_HAVE_AVX2
+    if (floats && to != NTP_ENCODING_VECTOR && ntp__is_packed(&target) &&
+        ntp__cpu_has_avx2(NTP__CPU_ALL)) {
+        *most = NTP_MAX_SIDE;
+        return convert_by_levels;
+    }
+#endif
     if (floats && !to_vectors)
         return to != NTP_ENCODING_VECTOR ? convert_levels : NULL;
 #ifdef NTP_HAVE_AVX2
