@@ -95,38 +95,42 @@ static inline bool clean16_step(uint16_t *dst, const uint16_t *src, bool zzero, 
 
 #endif
 
-/* Less than a step of pixels, filled up with flat ones, which do not change. */
-static inline bool clean16_rest(uint16_t *dst, const uint16_t *src, int32_t n, bool zzero,
-                                uint64_t *changed)
-{
-    uint16_t step[3 * CLEAN16_STEP];
-    for (int32_t i = 0; i < 3 * CLEAN16_STEP; i++)
-        step[i] = i % 3 == 2 ? 65535 : 32768;
-    memcpy(step, src, (size_t) n * 6);
-    if (!clean16_step(step, step, zzero, changed))
-        return false;
-    memcpy(dst, step, (size_t) n * 6);
-    return true;
-}
-
-static inline int32_t clean16_run(uint16_t *dst, const uint16_t *src, int32_t n, bool zzero,
-                                  uint64_t *changed)
+/* Whole steps, up to one that has a pair that is too long. */
+static inline int32_t clean16_steps(uint16_t *dst, const uint16_t *src, int32_t n, bool zzero,
+                                    uint64_t *changed)
 {
     uint64_t others = 0; /* not in memory, where each step would wait for the one before */
     int32_t i = 0;
     while (i + CLEAN16_STEP <= n && clean16_step(dst + 3 * i, src + 3 * i, zzero, &others))
         i += CLEAN16_STEP;
-    if (i < n && i + CLEAN16_STEP > n &&
-        clean16_rest(dst + 3 * i, src + 3 * i, n - i, zzero, &others))
-        i = n;
-    if (changed != NULL)
-        *changed += others;
+    *changed += others;
     return i;
 }
 
+ONE_COPY static int32_t clean16_run(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
+                                    uint64_t *changed)
+{
+    return zzero ? clean16_steps(dst, src, n, true, changed)
+                 : clean16_steps(dst, src, n, false, changed);
+}
+
+/* The last pixels, less than a step, are filled up with flat ones, which do not change. */
 static int32_t clean_rgb16(uint16_t *dst, const uint16_t *src, int32_t n, int32_t zzero,
                            uint64_t *changed)
 {
-    return zzero ? clean16_run(dst, src, n, true, changed)
-                 : clean16_run(dst, src, n, false, changed);
+    uint64_t others = 0;
+    const int32_t done = clean16_run(dst, src, n, zzero, &others), left = n - done;
+    bool all = left == 0;
+    if (!all && left < CLEAN16_STEP) {
+        uint16_t step[3 * CLEAN16_STEP];
+        for (int32_t i = 0; i < 3 * CLEAN16_STEP; i++)
+            step[i] = i % 3 == 2 ? 65535 : 32768;
+        memcpy(step, src + 3 * done, (size_t) left * 6);
+        all = clean16_run(step, step, CLEAN16_STEP, zzero, &others) > 0;
+        if (all)
+            memcpy(dst + 3 * done, step, (size_t) left * 6);
+    }
+    if (changed != NULL)
+        *changed += others;
+    return all ? n : done;
 }
