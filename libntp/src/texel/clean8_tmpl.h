@@ -11,21 +11,6 @@
 #  include "texel/blue_avx2_tmpl.h"
 #endif
 
-/* Where the blues of eight packed pixels are in their three words. */
-#define BLUES_1   UINT64_C(0x0000ff0000ff0000)
-#define BLUES_2   UINT64_C(0x00ff0000ff0000ff)
-#define BLUES_3   UINT64_C(0xff0000ff0000ff00)
-#define HIGH_BITS UINT64_C(0x8080808080808080)
-
-/* Bytes that are not 0. */
-static inline uint64_t count_bytes(uint64_t v)
-{
-    uint64_t high = ((v & ~HIGH_BITS) + ~HIGH_BITS) | v; /* the high bit of each such byte */
-    return ((high & HIGH_BITS) >> 7) * UINT64_C(0x0101010101010101) >> 56;
-}
-
-enum { AHEAD = 768 }; /* bytes: twelve cache lines of 64 */
-
 static inline void prefetch(const uint8_t *dst, const uint8_t *src)
 {
 #ifdef __GNUC__
@@ -35,28 +20,6 @@ static inline void prefetch(const uint8_t *dst, const uint8_t *src)
     (void) dst;
     (void) src;
 #endif
-}
-
-/* Puts in the blues of eight pixels from the table; false, with nothing written, if one is 0. */
-static inline bool put_blues(uint8_t *dst, const uint8_t *src, const uint8_t *blue,
-                             uint64_t *changed)
-{
-    uint64_t b[8];
-    for (int i = 0; i < 8; i++)
-        b[i] = blue[load16le(src + 3 * i)];
-    uint64_t first = b[0] << 16 | b[1] << 40;
-    uint64_t second = b[2] | b[3] << 24 | b[4] << 48;
-    uint64_t third = b[5] << 8 | b[6] << 32 | b[7] << 56;
-    uint64_t all = first | second | third;
-    if ((all & HIGH_BITS) != HIGH_BITS) /* the blues of standard Z are 128 and more */
-        return false;
-    uint64_t s1 = load64le(src), s2 = load64le(src + 8), s3 = load64le(src + 16);
-    if (changed != NULL)
-        *changed += count_bytes(all ^ ((s1 & BLUES_1) | (s2 & BLUES_2) | (s3 & BLUES_3)));
-    store64le(dst, (s1 & ~BLUES_1) | first);
-    store64le(dst + 8, (s2 & ~BLUES_2) | second);
-    store64le(dst + 16, (s3 & ~BLUES_3) | third);
-    return true;
 }
 
 #ifdef __AVX2__
@@ -320,6 +283,44 @@ static inline void derive_others(uint8_t *dst, const uint8_t *src, int32_t n, co
 }
 #else
 #  define derive_rgb8 NULL
+
+/* Where the blues of eight packed pixels are in their three words. */
+#  define BLUES_1     UINT64_C(0x0000ff0000ff0000)
+#  define BLUES_2     UINT64_C(0x00ff0000ff0000ff)
+#  define BLUES_3     UINT64_C(0xff0000ff0000ff00)
+#  define HIGH_BITS   UINT64_C(0x8080808080808080)
+
+/* Bytes that are not 0. */
+static inline uint64_t count_bytes(uint64_t v)
+{
+    uint64_t high = ((v & ~HIGH_BITS) + ~HIGH_BITS) | v; /* the high bit of each such byte */
+    return ((high & HIGH_BITS) >> 7) * UINT64_C(0x0101010101010101) >> 56;
+}
+
+enum { AHEAD = 768 }; /* bytes: twelve cache lines of 64 */
+
+/* Puts in the blues of eight pixels from the table; false, with nothing written, if one is 0. */
+static inline bool put_blues(uint8_t *dst, const uint8_t *src, const uint8_t *blue,
+                             uint64_t *changed)
+{
+    uint64_t b[8];
+    for (int i = 0; i < 8; i++)
+        b[i] = blue[load16le(src + 3 * i)];
+    uint64_t first = b[0] << 16 | b[1] << 40;
+    uint64_t second = b[2] | b[3] << 24 | b[4] << 48;
+    uint64_t third = b[5] << 8 | b[6] << 32 | b[7] << 56;
+    uint64_t all = first | second | third;
+    if ((all & HIGH_BITS) != HIGH_BITS) /* the blues of standard Z are 128 and more */
+        return false;
+    uint64_t s1 = load64le(src), s2 = load64le(src + 8), s3 = load64le(src + 16);
+    if (changed != NULL)
+        *changed += count_bytes(all ^ ((s1 & BLUES_1) | (s2 & BLUES_2) | (s3 & BLUES_3)));
+    store64le(dst, (s1 & ~BLUES_1) | first);
+    store64le(dst + 8, (s2 & ~BLUES_2) | second);
+    store64le(dst + 16, (s3 & ~BLUES_3) | third);
+    return true;
+}
+
 #endif
 
 /* Cleans by the full table the groups that the faster loops give back. */
@@ -332,6 +333,7 @@ static inline size_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n, con
 {
     size_t i = 0;
 #ifdef __AVX2__
+    (void) blue;
     /* Where pairs that are too long come closely, more is done at a time without a look for others. */
     for (size_t most = DERIVED; n - i >= DERIVED;) {
         const int32_t done = derive_rgb8(dst + 3 * i, src + 3 * i, (int32_t) (n - i), changed);
@@ -341,12 +343,13 @@ static inline size_t clean_blues(uint8_t *dst, const uint8_t *src, size_t n, con
         derive_others(dst + 3 * i, src + 3 * i, (int32_t) next, table, touch_unused, changed);
         i += next;
     }
-#endif
+#else
     for (; i + 8 <= n; i += 8) {
         /* The table can fill the first cache, so rows are fetched ahead of time. */
         prefetch(dst + 3 * i + AHEAD, src + 3 * i + AHEAD);
         if (!put_blues(dst + 3 * i, src + 3 * i, blue, changed))
             clean_by_pairs(dst + 3 * i, src + 3 * i, 8, table, touch_unused, changed);
     }
+#endif
     return i;
 }
