@@ -214,7 +214,7 @@ static REAL *NAME(transform_any)(const ntp__fft *fft, REAL *a, REAL *b)
 }
 
 /* The transform of the conjugate chirp, continued to negative indices. */
-static void NAME(respond)(const ntp__fft *fft, void *work)
+SELDOM static void NAME(respond)(const ntp__fft *fft, void *work)
 {
     size_t n = (size_t) fft->period, m = (size_t) fft->m;
     REAL *a = work, *response = fft->response;

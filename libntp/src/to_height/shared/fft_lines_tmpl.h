@@ -32,8 +32,8 @@ static ALWAYS_INLINE void NAME(turn_pair)(REAL *restrict re, REAL *restrict im, 
 }
 
 /* The coefficients of each row at k (re) and at n - k (im), from the cells at k and n - k. */
-static ALWAYS_INLINE void NAME(split)(const ntp__fft *fft, REAL re[CELL], REAL im[CELL],
-                                      const REAL *z, size_t k)
+OF_A_PAIR void NAME(split)(const ntp__fft *fft, REAL re[CELL], REAL im[CELL], const REAL *z,
+                           size_t k)
 {
     const REAL half = (REAL) 0.5, *quarter = fft->quarter;
     size_t n = (size_t) fft->n;
@@ -51,8 +51,8 @@ static ALWAYS_INLINE void NAME(split)(const ntp__fft *fft, REAL re[CELL], REAL i
 
 /* The other way round, times scale, with real and imaginary parts exchanged: then the forward
  * transform is the inverse one. */
-static ALWAYS_INLINE void NAME(join)(const ntp__fft *fft, REAL *z, REAL re[CELL], REAL im[CELL],
-                                     size_t k, REAL scale)
+OF_A_PAIR void NAME(join)(const ntp__fft *fft, REAL *z, REAL re[CELL], REAL im[CELL], size_t k,
+                          REAL scale)
 {
     const REAL *quarter = fft->quarter;
     size_t n = (size_t) fft->n;
@@ -76,7 +76,7 @@ static ALWAYS_INLINE void NAME(join)(const ntp__fft *fft, REAL *z, REAL re[CELL]
 }
 
 /* Completes cells 0..n - 1 to a period with even symmetry. */
-static void NAME(reflect)(const ntp__fft *fft, REAL *z)
+ONE_COPY static void NAME(reflect)(const ntp__fft *fft, REAL *z)
 {
     size_t period = (size_t) fft->period;
     for (size_t i = 1; 2 * i < period; i++)
@@ -102,8 +102,8 @@ static void NAME(gather)(const ntp__fft *fft, REAL *a)
     }
 }
 
-static ALWAYS_INLINE void NAME(tile_to_rows)(float *const rows[CELL], size_t at,
-                                             const REAL tile[TILE][CELL], size_t count)
+ONE_COPY static void NAME(tile_to_rows)(float *const rows[CELL], size_t at,
+                                        const REAL tile[TILE][CELL], size_t count)
 {
     for (size_t r = 0; r < CELL; r++) {
         for (size_t j = 0; j < count; j++)
@@ -111,8 +111,8 @@ static ALWAYS_INLINE void NAME(tile_to_rows)(float *const rows[CELL], size_t at,
     }
 }
 
-static ALWAYS_INLINE void NAME(rows_to_tile)(REAL tile[TILE][CELL], float *const rows[CELL],
-                                             size_t at, size_t count)
+ONE_COPY static void NAME(rows_to_tile)(REAL tile[TILE][CELL], float *const rows[CELL], size_t at,
+                                        size_t count)
 {
     for (size_t r = 0; r < CELL; r++) {
         for (size_t j = 0; j < count; j++)
@@ -173,7 +173,8 @@ static void NAME(forward)(const ntp__fft *fft, float *const rows[CELL], void *wo
 }
 
 /* From cells back to rows; `turned`: real and imaginary parts are exchanged. */
-static void NAME(scatter)(const ntp__fft *fft, float *const rows[CELL], const REAL *z, bool turned)
+ONE_COPY static void NAME(scatter)(const ntp__fft *fft, float *const rows[CELL], const REAL *z,
+                                   bool turned)
 {
     size_t n = (size_t) fft->n;
     for (size_t i = 0; i < n; i += TILE) {

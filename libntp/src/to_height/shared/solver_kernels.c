@@ -18,6 +18,13 @@ enum {
     TILE = 16
 };
 
+/* What is done with each pair of frequencies: once, only to save code, for processors from before 2013. */
+#if defined NTP_HAVE_AVX2 && !defined __AVX2__
+#  define OF_A_PAIR ONE_COPY static
+#else
+#  define OF_A_PAIR static ALWAYS_INLINE
+#endif
+
 #define REAL    float
 #define NAME(x) x##_single
 #include "to_height/shared/fft_lines_tmpl.h"
