@@ -63,12 +63,21 @@ def test_wide_pictures_against_fractions(m, angle):
     src[:, 50:80, 2] = m // 2 + np.arange(30) % 2
     src[:, 60:75, 3] = m
     src[:, 90:100, 3] = 0
-    for encoding in (ntp.STANDARD, ntp.ZZERO, ntp.XY):
-        for strength in (None, 1000.0):
-            got = rotate(src, angle, encoding, strength=strength, borders=(2, 1))
+    rgb = src[..., :3].copy()
+    rgb[:, 80:110] = 0  # unused, as are the white ones
+    rgb[:, 110:125] = m
+    rgb[0, 125:140], rgb[1, 125:140] = [m, m // 2, m // 2], [0, m // 2 + 1, m // 2 + 1]
+    for texture, encoding in (
+        (src, ntp.STANDARD),
+        (src, ntp.ZZERO),
+        (src, ntp.XY),
+        (rgb, ntp.STANDARD),
+    ):
+        for strength, borders in ((None, (2, 1)), (1000.0, (2, 1)), (0.3, (0, 2))):
+            got = rotate(texture, angle, encoding, strength=strength, borders=borders)
             factor = Fraction(strength or 1)
             want = oracle_rotate.rotated(
-                src.tolist(), angle, m, NAMES[encoding], ntp.UP, (0, 0), (2, 1), factor, 0
+                texture.tolist(), angle, m, NAMES[encoding], ntp.UP, (0, 0), borders, factor, 0
             )
             assert got.tolist() == want
 
@@ -131,16 +140,17 @@ def test_where_nothing_is_there_is_nothing():
     assert (seen[:, :3] == seen[0, :3]).all()  # transparent texels do not bleed
 
 
+@pytest.mark.parametrize(("channels", "m"), [(4, 65535), (3, 255)])
 @pytest.mark.parametrize("flips", [(0, 0), (1, 0), (0, 1)])
-def test_areas_and_parts_make_the_whole(flips):
-    src = noise((23, 31, 4), 65535, 6)
+def test_areas_and_parts_make_the_whole(flips, channels, m):
+    src = noise((23, 31, channels), m, 6)
     whole = rotate(src, 40.0, flips=flips, strength=1.3, borders=(1, 1))
     dst = np.zeros_like(whole)
     for area in ((5, 0, 31, 13), (0, 13, 31, 23), (0, 0, 5, 13)):
         rotate(src, 40.0, flips=flips, strength=1.3, borders=(1, 1), area=area, dst=dst)
     assert np.array_equal(dst, whole)
     wide = np.pad(src, ((20, 20), (20, 20), (0, 0)), mode="wrap")
-    piece = rotate(wide, 40.0, flips=flips, strength=1.3, dst=np.zeros((7, 9, 4), np.uint16),
+    piece = rotate(wide, 40.0, flips=flips, strength=1.3, dst=np.zeros((7, 9, channels), src.dtype),
                    part=[31, 23, -20, -20, 12, 8])  # fmt: skip
     tiled = rotate(src, 40.0, flips=flips, strength=1.3)
     assert np.array_equal(piece, tiled[8:15, 12:21])

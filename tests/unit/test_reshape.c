@@ -134,26 +134,39 @@ static void compare(const picture *one, const picture *two)
 
 /* ----------------------------------------------------------------------------------- turns */
 
+/* With each set of instructions; `kind` says what is turned, and where it lies. */
+static void turn_by(const picture *src, const ntp_transform_options *how, int32_t kind)
+{
+    const ntp_const_image from = ntp_image_as_const(&src->view);
+    const bool upright = how->quarter_turns % 2 == 0;
+    picture made[SETS];
+    for (int32_t k = 0; k < SETS; k++) {
+        made[k] = make(upright ? from.width : from.height, upright ? from.height : from.width,
+                       from.channels, from.type, kind & 4);
+        allowed = k != 0;
+        allowed_512 = k > 1;
+        CHECK(ntp_transform(&made[k].view, &from, how, NULL) == NTP_OK);
+    }
+    compare(&made[0], &made[1]);
+    compare(&made[0], &made[2]);
+    for (int32_t k = 0; k < SETS; k++)
+        guarded_free(&made[k].memory);
+}
+
 static void turn(int32_t width, int32_t height, int32_t kind, uint64_t *seed)
 {
+    static const double ANGLES[] = { 30, 45, -3.7 };
     const ntp_type type = kind & 1 ? NTP_TYPE_U16 : NTP_TYPE_U8;
-    const int32_t channels = kind & 2 ? 4 : 3;
-    picture src = make(width, height, channels, type, kind & 4);
+    picture src = make(width, height, kind & 2 ? 4 : 3, type, kind & 4);
     fill(&src, 100, 10, seed);
-    const ntp_const_image from = ntp_image_as_const(&src.view);
     for (int32_t turns = 1; turns <= 3; turns++) {
-        const ntp_transform_options how = { .quarter_turns = turns, .flip_x = kind >> 3 };
-        const bool upright = turns % 2 == 0;
-        picture made[2];
-        for (int32_t k = 0; k < 2; k++) {
-            made[k] =
-                make(upright ? width : height, upright ? height : width, channels, type, kind & 4);
-            allowed = k != 0;
-            CHECK(ntp_transform(&made[k].view, &from, &how, NULL) == NTP_OK);
-        }
-        compare(&made[0], &made[1]);
-        guarded_free(&made[0].memory);
-        guarded_free(&made[1].memory);
+        const ntp_transform_options by_quarters = { .quarter_turns = turns, .flip_x = kind >> 3 };
+        turn_by(&src, &by_quarters, kind);
+        const ntp_transform_options by_angle = { .angle = ANGLES[turns - 1],
+                                                 .flip_x = kind >> 3,
+                                                 .border_x = NTP_BORDER_MIRROR - (turns - 1),
+                                                 .border_y = NTP_BORDER_WRAP + (turns - 1) };
+        turn_by(&src, &by_angle, kind);
     }
     guarded_free(&src.memory);
 }

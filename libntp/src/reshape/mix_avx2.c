@@ -39,24 +39,8 @@
 
 enum { HALF = 8, STEP = 16 /* texels */ };
 
-typedef struct constants {
-    bool deep;
-    int32_t m;
-    float least_z; /* the least z that is sure */
-    ntp__mix_rounding rounding;
-    bool avx512;
-    float black, white; /* all numerators of texels without a normal; NaN: those hold one */
-} constants;
-
-/* What a block becomes: vectors of any length; pairs of levels of x, y less that of 0; negative where a
- * texel is left to the caller.  Each loop does one thing: while a processor waits for a root it does
- * others. */
-typedef struct planes {
-    /* Whole lines of the cache, so that no load needs two. */
-    _Alignas(64) ntp__mix_planes base, detail, v;
-    int32_t pair[NTP__BLOCK], left[NTP__BLOCK + STEP];
-    bool any_kept, blends; /* may a texel stay as it is in the base?  is there a detail? */
-} planes;
+typedef ntp__mix_constants constants;
+typedef ntp__mix_block planes;
 
 static inline __m256i load_ints(const int32_t *from)
 {
@@ -248,7 +232,7 @@ static ALWAYS_INLINE texels finished(const planes *p, int32_t i, const constants
     return t;
 }
 
-static int32_t put_levels(uint8_t *d, int32_t *at, planes *p, int32_t n, const constants *c)
+int32_t ntp__put_levels_avx2(uint8_t *d, int32_t *at, planes *p, int32_t n, const constants *c)
 {
     int32_t found = 0;
     const int32_t whole = (n + STEP - 1) / STEP * STEP;
@@ -370,7 +354,8 @@ void ntp__mix_row_avx2(const ntp__mixing *j, int32_t x0, int32_t x1, int32_t y)
             blend(&p, n, &t, &c);
         else
             boost(&p, n, j);
-        const int32_t found = put_levels(row + (x - x0) * j->dst->pixel_stride, at, &p, n, &c);
+        const int32_t found =
+            ntp__put_levels_avx2(row + (x - x0) * j->dst->pixel_stride, at, &p, n, &c);
         if (w.n + found > NTP__BLOCK)
             settle(j, &w, row, c.deep);
         for (int32_t i = 0; i < found; i++) {

@@ -66,4 +66,27 @@ typedef void ntp__round_pairs_fn(int32_t *pair, int32_t *left, ntp__mix_planes v
                                  const ntp__mix_rounding *how);
 ntp__round_pairs_fn ntp__round_pairs_avx512;
 
+typedef struct ntp__mix_constants {
+    bool deep;
+    int32_t m;
+    float least_z; /* the least z that is sure */
+    ntp__mix_rounding rounding;
+    bool avx512;
+    float black, white; /* all numerators of texels without a normal; NaN: those hold one */
+} ntp__mix_constants;
+
+/* What a block becomes: vectors of any length; pairs of levels of x, y less that of 0; negative where a
+ * texel is left to the caller.  Each loop does one thing: while a processor waits for a root it does
+ * others. */
+typedef struct ntp__mix_block {
+    /* Whole lines of the cache, so that no load needs two. */
+    _Alignas(64) ntp__mix_planes base, detail, v;
+    int32_t pair[NTP__BLOCK], left[NTP__BLOCK + 16];
+    bool any_kept, blends; /* may a texel stay as it is in the base?  is there a detail? */
+} ntp__mix_block;
+
+/* The levels of n vectors as packed pixels; returns how many are left to the caller, and their places. */
+int32_t ntp__put_levels_avx2(uint8_t *d, int32_t *at, ntp__mix_block *p, int32_t n,
+                             const ntp__mix_constants *c);
+
 #endif

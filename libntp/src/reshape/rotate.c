@@ -8,6 +8,7 @@
  * places 15 bits after the point, so a weight has 30, and a sum of levels times alpha fits in 64.
  * (rotate_runs.c has the same by doubles, where these are sure of it.)
  */
+#include "base/cpu.h"
 #include "reshape/rotation.h"
 #include "stencil/border.h"
 #include "texel/level.h"
@@ -71,18 +72,29 @@ ntp__turn ntp__turn_of(int64_t ticks)
 
 /* ------------------------------------------------------------------------------ places */
 
-/* Places along one axis. */
-typedef struct axis {
-    int64_t from, step; /* twice the way from the center of the picture, turned back */
-    bool flip;
-    ntp_border border;
-    int32_t side, first, n; /* of the picture; of it src has n from the first on */
-    int32_t ring;
-    ptrdiff_t stride;
-} axis;
+void ntp__find_axes(const job *j, ntp__axis axes[2], int32_t x, int32_t y)
+{
+    const ntp_part *p = &j->part;
+    const ntp_const_image *src = j->src;
+    /* twice the way from the center of the picture, turned back */
+    const int64_t u = 2 * (int64_t) x + 1 - p->width, v = 2 * (int64_t) y + 1 - p->height;
+    const int64_t c = j->turn.cosine, s = j->turn.sine;
+    axes[0] =
+        (ntp__axis) { c * u + s * v, 2 * c, j->how->border_x, p->width, p->src_x, src->width };
+    axes[1] =
+        (ntp__axis) { c * v - s * u, -2 * s, j->how->border_y, p->height, p->src_y, src->height };
+    const bool flip[2] = { j->how->flip_x, j->how->flip_y };
+    for (int32_t k = 0; k < 2; k++) {
+        ntp__axis *const a = &axes[k];
+        a->from = (flip[k] ? -a->from : a->from) +
+                  (a->side - (int64_t) 1) * ((int64_t) 1 << NTP__UNIT_BITS) +
+                  ((int64_t) 1 << (NTP__DROPPED_BITS - 1));
+        a->step = flip[k] ? -a->step : a->step;
+    }
+}
 
 /* Where index i of the picture lies in src. */
-static int32_t inside(const axis *a, int64_t i, bool is_part)
+static int32_t inside(const ntp__axis *a, int64_t i, bool is_part)
 {
     if (is_part)
         i = i - a->first < 0 ? 0 : i - a->first < a->n ? i - a->first : a->n - 1;
@@ -91,38 +103,27 @@ static int32_t inside(const axis *a, int64_t i, bool is_part)
     return (int32_t) i;
 }
 
-static void find_axis(const axis *a, bool is_part, ptrdiff_t at[2][NTP__ROTATED_AT_ONCE],
-                      double share[2][NTP__ROTATED_AT_ONCE], int32_t n)
+static void find_axis(const ntp__axis *a, bool is_part, ptrdiff_t at[2][NTP__ROTATED_AT_ONCE],
+                      double share[2][NTP__ROTATED_AT_ONCE], ptrdiff_t stride, int32_t n)
 {
-    const int32_t drop = NTP__UNIT_BITS + 1 - NTP__PLACE_BITS;
     int64_t from = a->from;
     for (int32_t i = 0; i < n; i++, from += a->step) {
-        int64_t place =
-            (a->flip ? -from : from) + (a->side - (int64_t) 1) * ((int64_t) 1 << NTP__UNIT_BITS);
-        place = (place + ((int64_t) 1 << (drop - 1))) >> drop;
+        const int64_t place = from >> NTP__DROPPED_BITS;
         const double beyond = (double) (place & (NTP__ONE_TEXEL - 1)) / NTP__ONE_TEXEL;
         share[0][i] = 1 - beyond;
         share[1][i] = beyond;
         for (int32_t k = 0; k < 2; k++)
-            at[k][i] = ntp__ring_row(a->ring, inside(a, (place >> NTP__PLACE_BITS) + k, is_part)) *
-                       a->stride;
+            at[k][i] = inside(a, (place >> NTP__PLACE_BITS) + k, is_part) * stride;
     }
 }
 
-void ntp__find_places(const ntp__rotation *j, ntp__places *p, int32_t x, int32_t y, int32_t n)
+void ntp__find_places(const job *j, ntp__places *p, int32_t x, int32_t y, int32_t n)
 {
-    const ntp_part *part = &j->part;
-    const ntp_const_image *src = j->src;
-    const int64_t u = 2 * (int64_t) x + 1 - part->width, v = 2 * (int64_t) y + 1 - part->height;
-    const int64_t c = j->turn.cosine, s = j->turn.sine;
-    const axis axes[2] = {
-        { c * u + s * v, 2 * c, j->how->flip_x, j->how->border_x, part->width, part->src_x,
-          src->width, 0, src->pixel_stride },
-        { c * v - s * u, -2 * s, j->how->flip_y, j->how->border_y, part->height, part->src_y,
-          src->height, src->ring_rows, src->row_stride },
-    };
+    ntp__axis axes[2];
+    ntp__find_axes(j, axes, x, y);
     for (int32_t k = 0; k < 2; k++)
-        find_axis(&axes[k], j->how->part != NULL, p->at[k], p->share[k], n);
+        find_axis(&axes[k], j->how->part != NULL, p->at[k], p->share[k],
+                  k == 0 ? j->src->pixel_stride : j->src->row_stride, n);
 }
 
 /* ------------------------------------------------------------------------------ texels */
@@ -195,27 +196,75 @@ void ntp__rotate_texel(const job *j, ntp__block *out, const ntp__places *p, int3
     out->c[3][i] = clear ? 0 : (int32_t) ((2 * s.alpha + one) / (2 * one));
 }
 
+/* Makes n texels of the result from (x, y) on. */
+static void rotate_run(const job *j, int32_t x, int32_t y, int32_t n)
+{
+    const int32_t px = x + j->part.dst_x, py = y + j->part.dst_y; /* in the picture */
+    ntp__block out;
+#ifdef NTP_HAVE_AVX2
+    if (j->quick) {
+        enum { FEW = 6 }; /* as many as take less time than all others, one by one */
+        int32_t at[NTP__ROTATED_AT_ONCE];
+        const int32_t left = ntp__rotate_rgb_avx2(j, ntp__at_mut(j->dst, x, y), at, px, py, n);
+        for (int32_t i = 0; i < left && left <= FEW; i++) {
+            ntp__places one;
+            ntp__find_places(j, &one, px + at[i], py, 1);
+            ntp__rotate_texel(j, &out, &one, 0);
+            ntp__store_levels(j->dst, &out, x + at[i], y, 1);
+        }
+        if (left <= FEW)
+            return;
+    }
+#endif
+    ntp__rotate_run(j, &out, px, py, n);
+    ntp__store_levels(j->dst, &out, x, y, n);
+}
+
+/* Texels of a tile lie near each other in the source, too. */
+static void rotate_tiles(const job *j, const ntp_rect *area)
+{
+    enum { ROWS = 64 };
+    for (int32_t y0 = area->y0; y0 < area->y1; y0 += ROWS) {
+        const int32_t y1 = area->y1 - y0 < ROWS ? area->y1 : y0 + ROWS;
+        for (int32_t x = area->x0; x < area->x1; x += NTP__ROTATED_AT_ONCE) {
+            const int32_t n =
+                area->x1 - x < NTP__ROTATED_AT_ONCE ? area->x1 - x : NTP__ROTATED_AT_ONCE;
+            for (int32_t y = y0; y < y1; y++)
+                rotate_run(j, x, y, n);
+        }
+    }
+}
+
+/* How sums are turned, and made stronger. */
+static void find_factors(job *j)
+{
+    const double strength = ntp__strength_value(&j->strength) * 0x1p-30; /* and that of sines */
+    const double cosine = (double) j->turn.cosine * strength;
+    const double sine =
+        (double) (j->src->y == NTP_Y_DOWN ? -j->turn.sine : j->turn.sine) * strength;
+    const double x = j->how->flip_x ? -1 : 1, y = j->how->flip_y ? -1 : 1;
+    j->by[0][0] = x * cosine;
+    j->by[0][1] = y * sine;
+    j->by[1][0] = -x * sine;
+    j->by[1][1] = y * cosine;
+}
+
 void ntp__rotate(const ntp_image *dst, const ntp_const_image *src, const ntp_transform_options *how,
                  ntp__strength strength, int64_t ticks, const ntp_rect *area)
 {
     const ntp_part whole = { src->width, src->height, 0, 0, 0, 0 };
-    const job j = { .dst = dst,
-                    .src = src,
-                    .how = how,
-                    .strength = strength,
-                    .turn = ntp__turn_of(ticks),
-                    .part = how->part != NULL ? *how->part : whole,
-                    .m = ntp__max(src->type),
-                    .extra = src->encoding == NTP_ENCODING_XY && src->channels >= 3,
-                    .by_alpha =
-                        src->channels == 4 && !(how->touch_unused & NTP_UNUSED_TRANSPARENT) };
-    ntp__block out;
-    for (int32_t y = area->y0; y < area->y1; y++) {
-        for (int32_t x = area->x0; x < area->x1; x += NTP__ROTATED_AT_ONCE) {
-            const int32_t n =
-                area->x1 - x < NTP__ROTATED_AT_ONCE ? area->x1 - x : NTP__ROTATED_AT_ONCE;
-            ntp__rotate_run(&j, &out, x + j.part.dst_x, y + j.part.dst_y, n);
-            ntp__store_levels(dst, &out, x, y, n);
-        }
-    }
+    job j = { .dst = dst,
+              .src = src,
+              .how = how,
+              .strength = strength,
+              .turn = ntp__turn_of(ticks),
+              .part = how->part != NULL ? *how->part : whole,
+              .m = ntp__max(src->type),
+              .extra = src->encoding == NTP_ENCODING_XY && src->channels >= 3,
+              .by_alpha = src->channels == 4 && !(how->touch_unused & NTP_UNUSED_TRANSPARENT) };
+    find_factors(&j);
+#ifdef NTP_HAVE_AVX2
+    j.quick = ntp__can_rotate_rgb(&j) && ntp__cpu_has_avx2(NTP__CPU_ALL);
+#endif
+    rotate_tiles(&j, area);
 }

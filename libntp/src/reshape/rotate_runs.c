@@ -87,17 +87,11 @@ ONE_COPY static void add_texels(const job *j, run *restrict r, int32_t right, in
 /* Turns the sums. */
 static void turn_sums(const job *j, ntp__vectors *restrict v, const run *restrict r)
 {
-    const double strength = ntp__strength_value(&j->strength) * 0x1p-30; /* and that of sines */
-    const double cosine = (double) j->turn.cosine * strength;
-    const double sine =
-        (double) (j->src->y == NTP_Y_DOWN ? -j->turn.sine : j->turn.sine) * strength;
-    /* of x and y of the sums, each */
-    const double cx = j->how->flip_x ? -cosine : cosine, sx = j->how->flip_x ? -sine : sine;
-    const double cy = j->how->flip_y ? -cosine : cosine, sy = j->how->flip_y ? -sine : sine;
+    const double xx = j->by[0][0], xy = j->by[0][1], yx = j->by[1][0], yy = j->by[1][1];
     for (int32_t i = 0; i < STEP; i++) {
         const double x = r->sum.c[0][i], y = r->sum.c[1][i];
-        v->c[0][i] = cx * x + sy * y;
-        v->c[1][i] = cy * y - sx * x;
+        v->c[0][i] = xx * x + xy * y;
+        v->c[1][i] = yx * x + yy * y;
         v->c[2][i] = r->sum.c[2][i];
     }
 }
