@@ -143,6 +143,22 @@ def test_every_answer_has_a_reason(judged):
             assert len(reason_text(result.reasons + i)) > 10
 
 
+def test_every_reason_has_a_text_of_its_own():
+    """The codes are those of the header; a code that it does not have gets the text of NONE."""
+    names = [name for name in dir(ntp.lib) if name.startswith("NTP_REASON_")]
+    codes = {name: getattr(ntp.lib, name) for name in names}
+    texts = [
+        reason_text(ntp.ffi.new("ntp_reason *", {"code": code, "value": 0.5}))
+        for code in sorted(codes.values())
+    ]
+    assert sorted(codes.values()) == list(range(len(codes)))
+    assert len(set(texts)) == len(codes) and min(map(len, texts)) > 10
+    assert texts[codes["NTP_REASON_ZZERO_MEANS"]].endswith("it is 2 times in 0..1")
+    for code in (-1, len(codes)):
+        beyond = ntp.ffi.new("ntp_reason *", {"code": code})
+        assert reason_text(beyond) == texts[0]
+
+
 def test_sixteen_bit_content_is_judged_like_eight(seed):
     """A 16-bit texture of 8-bit levels gets the same answer as the 8-bit one."""
     for i in range(10):
