@@ -28,11 +28,17 @@ void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t
 void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int32_t m,
                         ntp_encoding encoding)
 {
-    if (encoding != NTP_ENCODING_XY)
-        ntp__kernels(NTP__CPU_ALL)
-            ->numerators(v, block->c[0], block->c[1], block->c[2], n, m,
-                         encoding == NTP_ENCODING_ZZERO, 1, 1);
+    const ntp__kernels_table *kernels = ntp__kernels(NTP__CPU_ALL);
+    int32_t derived[NTP__BLOCK];
+    const int32_t *b = block->c[2];
+    if (encoding == NTP_ENCODING_XY) {
+        kernels->derive(derived, block->c[0], block->c[1], n, m, false);
+        b = derived;
+    }
+    kernels->numerators(v, block->c[0], block->c[1], b, n, m, encoding == NTP_ENCODING_ZZERO, 1, 1);
     for (int32_t i = 0; encoding == NTP_ENCODING_XY && i < n; i++) {
+        if (derived[i] >= 0)
+            continue;
         int32_t one[3];
         ntp__texel_vector(one, block, i, m, encoding);
         for (int32_t k = 0; k < 3; k++)
@@ -194,12 +200,15 @@ void ntp__store_levels(const ntp_image *view, const ntp__block *block, int32_t x
         ntp__pack(view, block, x, y, n, view->channels);
         return;
     }
-    char *d = ntp__at_mut(view, x, y);
-    for (int32_t i = 0; i < n; i++, d += view->pixel_stride) {
-        for (int32_t k = 0; k < view->channels; k++) {
-            bool component = view->encoding == NTP_ENCODING_VECTOR && k < 3;
-            int32_t level = block->c[k][i], v = component ? ntp__num(level, 65535) : level;
-            ((float *) (void *) d)[k] = (float) ((double) v / 65535.0);
+    for (int32_t k = 0; k < view->channels; k++) {
+        const bool component = view->encoding == NTP_ENCODING_VECTOR && k < 3;
+        const float times = component ? 0x1p-15F : 0x1p-16F,
+                    less = component ? 65535 * 0x1p-16F : 0;
+        const int32_t *level = block->c[k];
+        char *d = ntp__at_mut(view, x, y) + k * (ptrdiff_t) sizeof(float);
+        for (int32_t i = 0; i < n; i++, d += view->pixel_stride) {
+            const float v = (float) level[i] * times - less; /* as in ntp__decode */
+            *(float *) (void *) d = v + v * (1 / 65535.0F);
         }
     }
 }
