@@ -6,6 +6,7 @@
 
 #include "base/cpu.h"
 #include "base/finite.h"
+#include "base/inlining.h"
 #ifdef NTP_HAVE_AVX2
 #  include "base/rgb_avx2.h"
 #endif
@@ -160,39 +161,73 @@ int32_t ntp__level_of_unit(float v)
     return (int32_t) c;
 }
 
-/* floor((v + 1)/2 * M + 1/2) = floor((M + 1 + M v)/2) = (M + 1 + floor(M v)) / 2, as M + 1 is
- * even; M v is an exact double, M + 1 + M v need not be one.  Level 0 is also that of -M - 1. */
-int32_t ntp__level_of_component(float v)
+/* The levels of one channel; p: its first sample.  Two loops, as compilers make branches of one.
+ *
+ * Of components, floor((v + 1)/2 * M + 1/2) = (M + 1 + floor(M v)) / 2, as M + 1 is even.  M v is an exact double.
+ * As M is odd, it is whole only where v is: at -1, for which -M - 1 gives level 0, too, and at 0 and 1.  Returns
+ * whether all samples are finite. */
+static bool levels_of_floats(int32_t *restrict to, const char *p, ptrdiff_t stride, int32_t n,
+                             bool component)
 {
-    double mv = (double) v * 65535.0;
-    mv = mv > -65536.0 ? mv : -65536.0;
-    mv = mv < 65535.0 ? mv : 65535.0;
-    int32_t below = (int32_t) mv;
-    below -= (double) below > mv;
-    return (65536 + below) / 2;
+    const float least = component ? -1 : 0;
+    enum { EXPONENT = 0x7f800000, ONE = 0x00800000 };
+    float within[NTP__BLOCK];
+    uint32_t exponents = 0; /* and one more each */
+    for (int32_t i = 0; i < n; i++, p += stride) {
+        const float v = *(const float *) (const void *) p;
+        const float some = v > least ? v : least; /* of NaN, too */
+        within[i] = some < 1 ? some : 1;
+        uint32_t bits;
+        memcpy(&bits, &v, sizeof bits);
+        exponents |= (bits & EXPONENT) + ONE;
+    }
+    const double half = component ? 0 : 0.5;
+    for (int32_t i = 0; i < n; i++)
+        to[i] = (int32_t) ((double) within[i] * 65535.0 + half);
+    for (int32_t i = 0; component && i < n; i++)
+        to[i] = (65536 + to[i] - (within[i] < 0)) >> 1;
+    return exponents <= EXPONENT;
+}
+
+/* Marks texels that are not finite, of which the first `checked` samples say that, or float vectors of length 0. */
+SELDOM static bool find_broken(ntp__block *block, const char *p, ptrdiff_t stride, int32_t n,
+                               int32_t checked, const float *zero)
+{
+    bool any = false;
+    for (int32_t i = 0; i < n; i++, p += stride) {
+        const float *s = (const float *) (const void *) p;
+        bool broken = zero != NULL && s[0] == zero[0] && s[1] == zero[1] && s[2] == zero[2];
+        for (int32_t k = 0; k < checked && !broken; k++)
+            broken = !ntp__is_finite((double) s[k]);
+        block->broken[i] = broken;
+        any = any || broken;
+    }
+    return any;
 }
 
 static void unpack_f32(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t y, int32_t n,
                        int32_t channels)
 {
-    bool vector = v->encoding == NTP_ENCODING_VECTOR;
+    enum { MIDDLE = 32768 }; /* the level of 0, or 1/2 */
+    const bool vector = v->encoding == NTP_ENCODING_VECTOR, xy = v->encoding == NTP_ENCODING_XY,
+               zzero = v->encoding == NTP_ENCODING_ZZERO;
+    const bool has_zero = channels >= 3 && v->encoding <= NTP_ENCODING_VECTOR && !xy;
+    const float zero = vector ? 0.0f : 0.5f, zeros[3] = { zero, zero, zzero ? 0.0f : zero };
+    const int32_t zero_z = zzero ? 0 : MIDDLE;
     const char *p = ntp__at(v, x, y);
-    int32_t checked = v->encoding == NTP_ENCODING_XY ? 2 : channels > 3 ? 3 : channels;
-    block->any_broken = false;
-    for (int32_t i = 0; i < n; i++, p += v->pixel_stride) {
-        const float *s = (const float *) (const void *) p;
-        bool broken = false;
-        for (int32_t k = 0; k < channels; k++) {
-            bool component = vector && k < 3;
-            broken = broken || (k < checked && !ntp__is_finite((double) s[k]));
-            block->c[k][i] = component ? ntp__level_of_component(s[k]) : ntp__level_of_unit(s[k]);
-        }
-        float zero = vector ? 0.0f : 0.5f, zero_z = v->encoding == NTP_ENCODING_ZZERO ? 0.0f : zero;
-        if (channels >= 3 && v->encoding <= NTP_ENCODING_VECTOR && v->encoding != NTP_ENCODING_XY)
-            broken = broken || (s[0] == zero && s[1] == zero && s[2] == zero_z);
-        block->broken[i] = broken;
-        block->any_broken = block->any_broken || broken;
-    }
+    int32_t suspect = 0;
+    for (int32_t k = 0; k < channels; k++)
+        suspect |= !levels_of_floats(block->c[k], p + k * (ptrdiff_t) sizeof(float),
+                                     v->pixel_stride, n, vector && k < 3);
+    for (int32_t i = 0; has_zero && i < n; i++)
+        suspect |=
+            (block->c[0][i] == MIDDLE) & (block->c[1][i] == MIDDLE) & (block->c[2][i] == zero_z);
+    if (suspect)
+        block->any_broken = find_broken(block, p, v->pixel_stride, n,
+                                        xy             ? 2
+                                        : channels > 3 ? 3
+                                                       : channels,
+                                        has_zero ? zeros : NULL);
 }
 
 static void fill(int32_t *plane, int32_t value, int32_t n)

@@ -108,9 +108,7 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *view, int32_t x, int3
 void ntp__pack(const ntp_image *view, const ntp__block *block, int32_t x, int32_t y, int32_t n,
                int32_t channels);
 
-/* A float sample as a 16-bit level: rounded half up, clamped, exact for every float.  A unit is
- * 0..1, a component of a vector -1..1. */
+/* A float sample in 0..1 as a 16-bit level: rounded half up, clamped, exact for every float. */
 int32_t ntp__level_of_unit(float v);
-int32_t ntp__level_of_component(float v);
 
 #endif
