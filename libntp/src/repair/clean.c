@@ -7,7 +7,7 @@
  *   validate.c  ntp_validate: a byte of flags for each texel
  *   inspect.c   ntp_inspect: everything about one texel
  *   convert.c   ntp_convert: other encodings, depths and Y orientations; with convert.h,
- *               convert_runs.c, convert_avx2.c, convert_words_tmpl.h, convert_packed.c and packed_tmpl.h
+ *               convert_runs.c, convert_avx2.c, convert_words_tmpl.h, convert_packed.c, packed_tmpl.h and to_vectors.c
  *
  * Three ways lead to the same bytes.  Rows of packed 8-bit pixels go through a table, the plan.
  * Pixels whose blue is only derived, or that are divided by their length, go through a kernel, and

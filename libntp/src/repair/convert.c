@@ -4,8 +4,8 @@
  *
  * Samples are converted by value.  A texel that is `exact` gets its blue derived anew from its
  * converted red and green, which keeps clean textures clean.  All that is between biased samples, and
- * what is common of the rest, is in convert_runs.c, many texels at a time; here are heights and
- * vectors, texel by texel.
+ * what is common of the rest, is in convert_runs.c, many texels at a time, and what makes vectors in to_vectors.c;
+ * here are heights, and what is left from vectors, texel by texel.
  */
 #include "base/finite.h"
 #include "repair/convert.h"
@@ -21,7 +21,6 @@ typedef ntp__conversion job;
 typedef struct texel {
     int32_t c[4];     /* source levels */
     const float *raw; /* source samples of a float image, else NULL */
-    bool unused;
 } texel;
 
 /* Channel k by value. */
@@ -112,40 +111,6 @@ static void biased_floats(const job *j, const texel *t, float out[4], ntp_conver
         out[k] = (float) ((double) level[k] / j->md);
 }
 
-/* Unbiased vectors: V/M, b/M, nearest float. */
-static void vector_floats(const job *j, const texel *t, float out[4], ntp_convert_counts *counts)
-{
-    const float *raw = t->raw;
-    ntp_encoding from = j->src->encoding;
-    if (from == NTP_ENCODING_VECTOR) {
-        memcpy(out, raw, 3 * sizeof *out);
-    } else if (raw != NULL) {
-        for (int32_t k = 0; k < 3; k++)
-            out[k] = k == 2 && from == NTP_ENCODING_ZZERO ? raw[k]
-                                                          : (float) (2.0 * (double) raw[k] - 1.0);
-    } else {
-        for (int32_t k = 0; k < 3; k++) {
-            int32_t v = k == 2 && from == NTP_ENCODING_ZZERO ? t->c[2] : ntp__num(t->c[k], j->ms);
-            out[k] = (float) ((double) v / j->ms);
-        }
-    }
-    if (from == NTP_ENCODING_XY && !t->unused) {
-        int32_t r = t->c[0], g = t->c[1];
-        if (ntp__rest(r, g, j->ms) < 0) {
-            ntp__pull(&r, &g, j->ms);
-            counts->pulled++;
-            out[0] = (float) ((double) ntp__num(r, j->ms) / j->ms);
-            out[1] = (float) ((double) ntp__num(g, j->ms) / j->ms);
-        }
-        out[2] = (float) (sqrt((double) ntp__rest(r, g, j->ms)) / j->ms);
-    }
-    out[3] = j->src->channels < 4 ? 1.0f
-             : raw != NULL        ? raw[3]
-                                  : (float) ((double) t->c[3] / j->ms);
-    if (j->flip && !t->unused)
-        out[1] = -out[1];
-}
-
 /* The levels for a texel that is not a vector: flat, or height 0. */
 static void flat_levels(const job *j, int32_t out[4])
 {
@@ -159,10 +124,9 @@ static void store_floats(const job *j, const texel *t, bool broken, float *d,
                          ntp_convert_counts *counts)
 {
     float out[4];
-    bool vector = j->dst->encoding == NTP_ENCODING_VECTOR,
-         height = j->dst->encoding == NTP_ENCODING_HEIGHT;
+    const bool height = j->dst->encoding == NTP_ENCODING_HEIGHT;
     if (broken) {
-        out[0] = out[1] = vector || height ? 0.0f : 0.5f;
+        out[0] = out[1] = height ? 0.0f : 0.5f;
         out[2] = height ? 0.0f : 1.0f;
         out[3] = 1.0f;
     } else if (height && t->raw != NULL) {
@@ -170,8 +134,6 @@ static void store_floats(const job *j, const texel *t, bool broken, float *d,
     } else if (height) {
         for (int32_t k = 0; k < 4; k++)
             out[k] = (float) ((double) t->c[k] / j->ms);
-    } else if (vector) {
-        vector_floats(j, t, out, counts);
     } else {
         biased_floats(j, t, out, counts);
     }
@@ -194,8 +156,8 @@ void ntp__convert_each(const ntp__conversion *j, int32_t x, int32_t y, int32_t n
                        ntp_convert_counts *counts)
 {
     ntp__block block;
-    bool floats = j->src->type == NTP_TYPE_F32, height = j->src->encoding == NTP_ENCODING_HEIGHT;
-    bool can_be_unused = !height && j->src->encoding != NTP_ENCODING_VECTOR;
+    const bool floats = j->src->type == NTP_TYPE_F32,
+               height = j->src->encoding == NTP_ENCODING_HEIGHT;
     ntp__unpack(&block, j->src, x, y, n);
     const char *s = ntp__at(j->src, x, y);
     char *d = ntp__at_mut(j->dst, x, y);
@@ -208,15 +170,7 @@ void ntp__convert_each(const ntp__conversion *j, int32_t x, int32_t y, int32_t n
             t.c[1] = t.c[3];
         if (floats) {
             memcpy(raw, s, (size_t) j->src->channels * sizeof *raw);
-            if (j->src->channels == 2 && !height) /* black stays black */
-                raw[2] = t.c[2] > 0 ? 1.0f : 0.0f;
             t.raw = raw;
-        }
-        t.unused = can_be_unused &&
-                   ntp__unused(t.c[0], t.c[1], t.c[2], t.c[3], j->ms, j->how.touch_unused);
-        if (!t.unused && !height && j->src->channels == 2) {
-            t.c[2] = j->ms;
-            raw[2] = 1.0f;
         }
         bool broken = block.any_broken && block.broken[i];
         counts->not_finite += broken;

@@ -40,8 +40,11 @@ typedef void ntp__convert_fn(const ntp__conversion *j, int32_t x, int32_t y, int
 /* The fast way for these views and options; NULL: there is none.  *most: texels at a time. */
 ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most);
 
-/* Heights, and to or from float vectors: texel by texel; up to NTP__BLOCK of them. */
+/* Heights, and from float vectors: texel by texel; up to NTP__BLOCK of them. */
 ntp__convert_fn ntp__convert_each;
+
+/* To float vectors, up to NTP__BLOCK texels. */
+ntp__convert_fn ntp__convert_to_vectors;
 
 /* Integers of at least three channels, not XY, to packed float vectors, or any to biased floats without a flip:
  * n texels up to the whole row. */

@@ -430,7 +430,7 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most)
         return j->how.blue == NTP_BLUE_DERIVED ? encode_run : NULL;
     }
     if (j->src->type == NTP_TYPE_F32)
-        return to != NTP_ENCODING_VECTOR ? convert_levels : NULL;
+        return to != NTP_ENCODING_VECTOR ? convert_levels : ntp__convert_to_vectors;
     const bool move = packed && j->src->type == j->dst->type && from == to;
     const bool to_vectors =
         packed && to == NTP_ENCODING_VECTOR && from != to && from != NTP_ENCODING_XY;
@@ -442,7 +442,7 @@ ntp__convert_fn *ntp__fast_conversion(const ntp__conversion *j, int32_t *most)
     }
 #endif
     if (floats && !to_vectors)
-        return to != NTP_ENCODING_VECTOR ? convert_levels : NULL;
+        return to != NTP_ENCODING_VECTOR ? convert_levels : ntp__convert_to_vectors;
 #ifdef NTP_HAVE_AVX2
     if (packed && j->src->channels == 3 && !move && !to_vectors && !j->flip &&
         from != NTP_ENCODING_XY && to != NTP_ENCODING_XY && ntp__cpu_has_avx2(NTP__CPU_ALL)) {
