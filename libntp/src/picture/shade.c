@@ -177,22 +177,43 @@ static void shade_exactly(ntp__block *out, const job *j, const ntp__block *block
     }
 }
 
+/* Parts of 1/M in which z of XY is given to floats: as many as an integer has room for. */
+static int32_t lift_of(const job *j)
+{
+    return j->src->type == NTP_TYPE_U8 ? 1 << 22 : 1 << 14;
+}
+
+static void lift_z(const job *j, ntp__block *block, int32_t n)
+{
+    const double m = ntp__max(j->src->type), lift = lift_of(j);
+    for (int32_t i = 0; i < ntp__whole(n); i++) {
+        const double x = 2 * block->c[0][i] - m, y = 2 * block->c[1][i] - m;
+        const double rest = m * m - x * x - y * y;
+        block->c[2][i] = (int32_t) (sqrt(rest > 0 ? rest : 0) * lift + 0.5);
+    }
+}
+
 /*
  * The same in floats, whose roundings are off by up to u = 2^-24 of a result.  A component of a unit
  * vector is off by at most 4 u.  So the products with the light and with the half vector are off by
  * 16 u.  The power is off by 32 * 16 u of g^31, which is at most g^32 + 1/85, and by its own roundings:
  * 600 u of itself and 16 u.  Where the light just touches a texel, it may be on the wrong side.  A
- * linear light v that is off by `off` has a root that is off by at most off / root(v).
+ * linear light v that is off by `off` has a root that is off by at most off / root(v).  z of XY is a root in
+ * whole 1/LIFT (lift_z); that and its rounding to a float add 2.1 u to products of which all other roundings are
+ * 9 u.
  */
 static ntp__lamp lamp_of(const job *j)
 {
     const ntp_light *l = &j->light;
     const float m = (float) ntp__max(j->src->type);
     const bool zzero = j->src->encoding == NTP_ENCODING_ZZERO;
+    const bool xy = j->src->encoding == NTP_ENCODING_XY;
     ntp__lamp lamp = { .m = m,
                        .up = j->src->y == NTP_Y_DOWN ? -1.0F : 1.0F,
-                       .twice = zzero ? 1.0F : 2.0F,
-                       .less = zzero ? 0.0F : m,
+                       .twice = xy      ? 1 / (float) lift_of(j)
+                                : zzero ? 1.0F
+                                        : 2.0F,
+                       .less = zzero || xy ? 0.0F : m,
                        .ambient = (float) l->ambient,
                        .diffuse = (float) l->diffuse,
                        .specular = (float) l->specular,
@@ -237,19 +258,23 @@ static void shade_block(ntp__block *out, const job *j, const ntp__block *block, 
 static void shade_run(const job *j, int32_t x, int32_t y, int32_t n)
 {
     ntp__block block, out;
+    uint8_t unused[NTP__BLOCK];
     const int32_t m = ntp__max(j->src->type);
     ntp__unpack(&block, j->src, x, y, n);
     ntp__fill_group(&block, n);
+    const bool suspect = ntp__any_suspect(&block, n, m);
+    for (int32_t i = 0; i < n; i++)
+        unused[i] = suspect && ntp__texel_unused(&block, i, m, 0);
     /* Where z is a difference of squares, floats are too coarse. */
-    if (j->dst->channels == 1 || j->src->encoding == NTP_ENCODING_XY)
+    if (j->src->encoding == NTP_ENCODING_XY)
+        lift_z(j, &block, n);
+    if (j->dst->channels == 1)
         shade_exactly(&out, j, &block, n);
     else
         shade_block(&out, j, &block, n);
-    if (ntp__any_suspect(&block, n, m)) {
-        for (int32_t i = 0; i < n; i++) {
-            if (ntp__texel_unused(&block, i, m, 0))
-                out.c[0][i] = out.c[1][i] = out.c[2][i] = CHECKER[ntp__checker(x + i, y)];
-        }
+    for (int32_t i = 0; suspect && i < n; i++) {
+        if (unused[i])
+            out.c[0][i] = out.c[1][i] = out.c[2][i] = CHECKER[ntp__checker(x + i, y)];
     }
     ntp__pack_opaque(j->dst, &out, x, y, n);
 }
