@@ -157,6 +157,21 @@ static uint64_t clean_slowly(const job *j, ntp__block *block, int32_t n)
     return changed;
 }
 
+/* Of XY only pairs that are too long change. */
+static uint64_t clean_pairs(const job *j, ntp__block *block, int32_t n)
+{
+    if (j->how.method == NTP_CLEAN_KEEP)
+        return 0;
+    int32_t want[NTP__BLOCK];
+    uint64_t changed = 0;
+    j->kernels->derive(want, block->c[0], block->c[1], n, j->m, false);
+    for (int32_t i = 0; i < n; i++) {
+        if (want[i] < 0 && !(block->any_broken && block->broken[i]))
+            changed += clean_at(j, block, i);
+    }
+    return changed;
+}
+
 /* Levels of pairs that are too long, and doubts about them. */
 typedef struct long_pairs {
     int32_t at[NTP__BLOCK], c[3][NTP__BLOCK], doubt[NTP__BLOCK];
@@ -329,7 +344,9 @@ static void clean_block(const job *j, int32_t x, int32_t y, int32_t n, ntp_clean
         all && j->how.method == NTP_CLEAN_NORMALIZE && j->encoding == NTP_ENCODING_STANDARD;
     if (floats && !by_length)
         other = block;
-    if (all && j->how.method == NTP_CLEAN_DERIVE && blue_is_written(j))
+    if (!blue_is_written(j))
+        counts->changed += clean_pairs(j, &block, n);
+    else if (all && j->how.method == NTP_CLEAN_DERIVE)
         counts->changed += clean_by_derivation(j, &block, n);
     else if (by_length)
         counts->changed += clean_by_length(j, result = &other, &block, n);
