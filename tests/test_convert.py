@@ -433,3 +433,56 @@ def test_to_vectors_every_level(m, y):
             dst = np.zeros(src.shape, np.float32)
             ntp.convert(view, dst, encoding, ntp.VECTOR, ntp.UP, y)
             assert np.array_equal(dst.reshape(want.shape), want.astype(np.float32))
+
+
+@pytest.mark.parametrize("channels", [2, 3, 4])
+@pytest.mark.parametrize("m", DEPTHS)
+def test_pairs_to_vectors(m, channels):
+    """Rows of several blocks; of 8 bit all pairs."""
+    levels = np.indices((256, 256)).reshape(2, -1).T
+    if m > 255:
+        levels = np.random.default_rng(7).integers(0, m + 1, levels.shape)
+    rest = np.full((len(levels), channels - 2), m // 3)
+    src = np.ascontiguousarray(np.hstack([levels, rest]).astype(DEPTHS[m])).reshape(
+        16, -1, channels
+    )
+    dst = np.zeros((*src.shape[:2], 4), np.float32)
+    counts = ntp.convert(src, dst, ntp.XY, ntp.VECTOR, how=(0, 7))
+    r, g = oracle.pulled(levels[:, 0], levels[:, 1], m)
+    z = np.sqrt(oracle.radicands(r, g, m).astype(np.float64)) / m
+    alpha = np.full(len(z), m // 3 / m if channels == 4 else 1)
+    want = np.stack([(2 * r - m) / m, (2 * g - m) / m, z, alpha], 1).astype(np.float32)
+    assert np.array_equal(dst.reshape(want.shape), want)
+    long = oracle.radicands(levels[:, 0], levels[:, 1], m) < 0
+    assert counts[2] == np.count_nonzero(long) > 1000
+
+
+@pytest.mark.parametrize("flip", [False, True])
+@pytest.mark.parametrize("encoding", [ntp.STANDARD, ntp.ZZERO, ntp.VECTOR])
+def test_floats_to_vectors(encoding, flip):
+    """2v - 1 rounded once; what is no vector is flat.  Also in place, and between other floats."""
+    rng = np.random.default_rng(8)
+    zero = [0, 0, 0] if encoding == ntp.VECTOR else [0.5, 0.5, 0 if encoding == ntp.ZZERO else 0.5]
+    src = rng.uniform(-0.5, 1.5, (3, 1000, 4)).astype(np.float32)
+    src[1, 300:320] *= 1e-30
+    src[1, 700, :3] = 0, 0.5, 1e30
+    src[2, 5::9, 2] = rng.choice([np.nan, np.inf, -np.inf], len(range(5, 1000, 9)))
+    src[0, 7::11, :3] = zero
+    src[0, 600:603, :3] = 0, 1, -0.0
+    broken = ~np.isfinite(src[..., :3]).all(-1) | (src[..., :3] == np.float32(zero)).all(-1)
+    biased = 0 if encoding == ntp.VECTOR else 2 if encoding == ntp.ZZERO else 3
+    want = src.astype(np.float64)
+    want[..., :biased] = 2 * want[..., :biased] - 1
+    levels = np.clip(np.floor(src.astype(np.float64) * 65535 + 0.5), 0, 65535)
+    unused = (levels == 0).all(-1) | (levels == 65535).all(-1) | (levels[..., 3] == 0)
+    unused |= (levels[..., :3] == 0).all(-1) | (levels[..., :3] == 65535).all(-1)
+    turned = flip & (~unused if encoding != ntp.VECTOR else np.full(unused.shape, True))
+    want[..., 1] *= np.where(turned, -1, 1)
+    want = want.astype(np.float32)
+    want[broken] = 0, 0, 1, 1
+    y = ntp.DOWN if flip else ntp.UP
+    among = np.repeat(src, 2, 1)[:, ::2]
+    for view in (src, among, src.copy()):
+        dst = view if view is among else np.zeros_like(src)
+        counts = ntp.convert(view, dst, encoding, ntp.VECTOR, ntp.UP, y)
+        assert np.array_equal(dst, want) and counts[1] == np.count_nonzero(broken) > 100

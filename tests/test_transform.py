@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from support import libntp_ffi as ntp
+from support import oracle
 from support import oracle_vectors as model
 from support.oracle_transform import moved_picture, turned, unused_mask
 from support.texels import NAMES, TYPES, noise
@@ -45,6 +46,18 @@ def test_moves_against_numpy(encoding, m, y_axis):
             want[..., 1][used] = ((y + m) // 2)[used]
             got = transform(src, (fx, fy), turns, None, encoding, y_axis)
             assert np.array_equal(got, want)
+
+
+@pytest.mark.parametrize("m", [255, 65535])
+def test_strength_of_pairs_is_that_of_the_vectors_they_stand_for(m):
+    """In rows of several blocks, where many pairs are pulled."""
+    pairs = np.random.default_rng(m).integers(1, m, (3, 1000, 2)).astype(TYPES[m])
+    pairs[0] = pairs[0] // 4 + 3 * m // 8  # none of this row is too long
+    r, g = oracle.pulled(*pairs.reshape(-1, 2).T.astype(np.int64), m)
+    blues = oracle.derived_blues(r, g, m)
+    texels = np.stack([r, g, blues], 1).reshape(3, 1000, 3).astype(TYPES[m])
+    want = transform(texels, strength=1.3)[..., :2]
+    assert np.array_equal(transform(pairs, strength=1.3, encoding=ntp.XY), want)
 
 
 @pytest.mark.parametrize("turns", [1, 3])
