@@ -236,15 +236,16 @@ static void fill(int32_t *plane, int32_t value, int32_t n)
         plane[i] = value;
 }
 
-/* Packed pixels of 3 and 4 channels have their own loops, so that the compiler sees constants. */
+/* Packed pixels of 2 to 4 channels have their own loops, so that the compiler sees constants. */
 #define UNPACK_PACKED(T, CHANNELS)                                                                 \
     do {                                                                                           \
         const T *s = (const T *) ntp__at(v, x, y);                                                 \
         for (int32_t i = 0; i < n; i++) {                                                          \
             block->c[0][i] = s[(ptrdiff_t) i * CHANNELS];                                          \
             block->c[1][i] = s[(ptrdiff_t) i * CHANNELS + 1];                                      \
-            block->c[2][i] = s[(ptrdiff_t) i * CHANNELS + 2];                                      \
-            if (CHANNELS == 4)                                                                     \
+            if (CHANNELS > 2)                                                                      \
+                block->c[2][i] = s[(ptrdiff_t) i * CHANNELS + 2];                                  \
+            if (CHANNELS > 3)                                                                      \
                 block->c[3][i] = s[(ptrdiff_t) i * CHANNELS + 3];                                  \
         }                                                                                          \
     } while (0)
@@ -297,10 +298,14 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t
     const bool done = unpack_rgb(block, v, x, y, n);
     if (!done && v->type == NTP_TYPE_F32)
         unpack_f32(block, v, x, y, n, v->channels);
+    else if (!done && v->type == NTP_TYPE_U8 && packed && v->channels == 2)
+        UNPACK_PACKED(uint8_t, 2);
     else if (!done && v->type == NTP_TYPE_U8 && packed && v->channels == 3)
         UNPACK_PACKED(uint8_t, 3);
     else if (!done && v->type == NTP_TYPE_U8 && packed && v->channels == 4)
         UNPACK_PACKED(uint8_t, 4);
+    else if (!done && v->type == NTP_TYPE_U16 && packed && v->channels == 2)
+        UNPACK_PACKED(uint16_t, 2);
     else if (!done && v->type == NTP_TYPE_U16 && packed && v->channels == 3)
         UNPACK_PACKED(uint16_t, 3);
     else if (!done && v->type == NTP_TYPE_U16 && packed && v->channels == 4)
@@ -330,7 +335,13 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *v, int32_t x, int32_t
 #define PACK(T)                                                                                    \
     do {                                                                                           \
         char *p = ntp__at_mut(v, x, y);                                                            \
-        if (channels == 3 && v->pixel_stride == 3 * (ptrdiff_t) sizeof(T)) {                       \
+        if (channels == 2 && v->pixel_stride == 2 * (ptrdiff_t) sizeof(T)) {                       \
+            T *d = (T *) (void *) p;                                                               \
+            for (int32_t i = 0; i < n; i++) {                                                      \
+                d[(ptrdiff_t) i * 2] = (T) block->c[0][i];                                         \
+                d[(ptrdiff_t) i * 2 + 1] = (T) block->c[1][i];                                     \
+            }                                                                                      \
+        } else if (channels == 3 && v->pixel_stride == 3 * (ptrdiff_t) sizeof(T)) {                \
             T *d = (T *) (void *) p;                                                               \
             for (int32_t i = 0; i < n; i++) {                                                      \
                 d[(ptrdiff_t) i * 3] = (T) block->c[0][i];                                         \
