@@ -366,3 +366,31 @@ void ntp__pack(const ntp_image *v, const ntp__block *block, int32_t x, int32_t y
     else
         PACK(uint16_t);
 }
+
+/* v = c*times - less is exact, and v + v/M the quotient rounded once: see ntp__decode. */
+void ntp__floats_of_levels(float *restrict to, const int32_t *restrict level, int32_t n, int32_t m,
+                           bool component)
+{
+    const float unit = m > 255 ? 0x1p-16F : 0x1p-8F, over = 1 / (float) m;
+    const float times = component ? 2 * unit : unit, less = component ? unit * (float) m : 0;
+    for (int32_t i = 0; i < n; i++) {
+        const float v = (float) level[i] * times - less;
+        to[i] = v + v * over;
+    }
+}
+
+void ntp__pack_floats(const ntp_image *v, ntp__float_planes planes, int32_t x, int32_t y, int32_t n)
+{
+    const int32_t channels = v->channels;
+    char *p = ntp__at_mut(v, x, y);
+    for (int32_t i = 0; i < n; i++, p += v->pixel_stride) {
+        float *d = (float *) (void *) p;
+        d[0] = planes[0][i];
+        if (channels > 1)
+            d[1] = planes[1][i];
+        if (channels > 2)
+            d[2] = planes[2][i];
+        if (channels > 3)
+            d[3] = planes[3][i];
+    }
+}

@@ -108,6 +108,16 @@ void ntp__unpack(ntp__block *block, const ntp_const_image *view, int32_t x, int3
 void ntp__pack(const ntp_image *view, const ntp__block *block, int32_t x, int32_t y, int32_t n,
                int32_t channels);
 
+/* Float samples of a run of texels, as planes. */
+typedef float ntp__float_planes[4][NTP__BLOCK];
+
+/* The nearest floats to c/M of n levels, or to (2c - M)/M of components. */
+void ntp__floats_of_levels(float *to, const int32_t *level, int32_t n, int32_t m, bool component);
+
+/* Writes the first planes, one for each channel of the view, as floats. */
+void ntp__pack_floats(const ntp_image *view, ntp__float_planes planes, int32_t x, int32_t y,
+                      int32_t n);
+
 /* A float sample in 0..1 as a 16-bit level: rounded half up, clamped, exact for every float. */
 int32_t ntp__level_of_unit(float v);
 

@@ -13,21 +13,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Vectors on their way: planes of x, y, z and alpha. */
-typedef float planes[4][NTP__BLOCK];
-
-/* Channel k of levels: as in ntp__decode. */
-static void component_of_levels(float *restrict to, const int32_t *restrict level, int32_t n,
-                                int32_t m, bool biased)
-{
-    const float unit = m > 255 ? 0x1p-16F : 0x1p-8F, over = 1 / (float) m;
-    const float times = biased ? 2 * unit : unit, less = biased ? unit * (float) m : 0;
-    for (int32_t i = 0; i < n; i++) {
-        const float v = (float) level[i] * times - less;
-        to[i] = v + v * over;
-    }
-}
-
 /* 2v - 1 rounded once, or v. */
 static void component_of_floats(float *restrict to, const char *s, ptrdiff_t stride, int32_t n,
                                 bool biased)
@@ -39,29 +24,32 @@ static void component_of_floats(float *restrict to, const char *s, ptrdiff_t str
 }
 
 /* z of XY, and x and y of pairs that are too long. */
-static void derive_z(const ntp__conversion *j, planes to, const ntp__block *in, bool suspect,
-                     int32_t n, ntp_convert_counts *counts)
+static void derive_z(const ntp__conversion *j, ntp__float_planes to, const ntp__block *in,
+                     bool suspect, int32_t n, ntp_convert_counts *counts)
 {
     const int32_t m = j->ms;
     const double m2 = (double) m * m;
-    double any = 0;
     double rest[NTP__BLOCK];
     float z[NTP__BLOCK];
+    uint64_t any = 0; /* its first bit: one is negative */
     for (int32_t i = 0; i < n; i++) {
         const double x = ntp__num(in->c[0][i], m), y = ntp__num(in->c[1][i], m);
         rest[i] = m2 - x * x - y * y;
-        any = rest[i] < any ? rest[i] : any;
     }
-    for (int32_t i = 0; i < n; i++)
-        z[i] = (float) (sqrt(rest[i] > 0 ? rest[i] : 0) / m);
-    for (int32_t i = 0; (suspect || any < 0) && i < n; i++) {
+    for (int32_t i = 0; i < n; i++) {
+        uint64_t bits;
+        memcpy(&bits, &rest[i], sizeof bits);
+        any |= bits;
+        z[i] = (float) (sqrt(rest[i]) / m); /* of less than 0 it is written below */
+    }
+    for (int32_t i = 0; (suspect || any >> 63 != 0) && i < n; i++) {
         if (suspect && ntp__texel_unused(in, i, m, j->how.touch_unused)) {
             z[i] = to[2][i];
         } else if (rest[i] < 0) {
             int32_t c[2] = { in->c[0][i], in->c[1][i] };
             ntp__pull(&c[0], &c[1], m);
-            component_of_levels(&to[0][i], &c[0], 1, m, true);
-            component_of_levels(&to[1][i], &c[1], 1, m, true);
+            ntp__floats_of_levels(&to[0][i], &c[0], 1, m, true);
+            ntp__floats_of_levels(&to[1][i], &c[1], 1, m, true);
             z[i] = (float) (sqrt((double) ntp__rest(c[0], c[1], m)) / m);
             counts->pulled++;
         }
@@ -70,7 +58,7 @@ static void derive_z(const ntp__conversion *j, planes to, const ntp__block *in, 
 }
 
 /* Is a component not finite, or a vector 0?  Also of floats that are too large to be doubled. */
-static bool may_be_broken(planes v, int32_t n)
+static bool may_be_broken(ntp__float_planes v, int32_t n)
 {
     float any = 0;
     for (int32_t i = 0; i < n; i++) {
@@ -81,7 +69,7 @@ static bool may_be_broken(planes v, int32_t n)
 }
 
 /* What is no vector is flat. */
-SELDOM static uint64_t flatten_broken(planes to, const ntp__block *in, int32_t n)
+SELDOM static uint64_t flatten_broken(ntp__float_planes to, const ntp__block *in, int32_t n)
 {
     uint64_t found = 0;
     for (int32_t i = 0; i < n; i++) {
@@ -100,7 +88,7 @@ void ntp__convert_to_vectors(const ntp__conversion *j, int32_t x, int32_t y, int
     const int32_t channels = j->src->channels;
     const bool vector = from == NTP_ENCODING_VECTOR;
     ntp__block in;
-    planes to;
+    ntp__float_planes to;
     for (int32_t k = 0; floats && k < channels; k++)
         component_of_floats(to[k], (const char *) ntp__at(j->src, x, y) + k * sizeof(float),
                             j->src->pixel_stride, n,
@@ -113,7 +101,8 @@ void ntp__convert_to_vectors(const ntp__conversion *j, int32_t x, int32_t y, int
     }
     for (int32_t k = floats ? channels : 0; k < j->dst->channels; k++) {
         if (k < 3 || channels == 4)
-            component_of_levels(to[k], in.c[k], n, j->ms, k < (from == NTP_ENCODING_ZZERO ? 2 : 3));
+            ntp__floats_of_levels(to[k], in.c[k], n, j->ms,
+                                  k < (from == NTP_ENCODING_ZZERO ? 2 : 3));
         for (int32_t i = 0; k == 3 && channels < 4 && i < n; i++)
             to[3][i] = 1;
     }
@@ -125,9 +114,5 @@ void ntp__convert_to_vectors(const ntp__conversion *j, int32_t x, int32_t y, int
     }
     if (in.any_broken)
         counts->not_finite += flatten_broken(to, &in, n);
-    for (int32_t k = 0; k < j->dst->channels; k++) {
-        char *d = ntp__at_mut(j->dst, x, y) + k * (ptrdiff_t) sizeof(float);
-        for (int32_t i = 0; i < n; i++, d += j->dst->pixel_stride)
-            *(float *) (void *) d = to[k][i];
-    }
+    ntp__pack_floats(j->dst, to, x, y, n);
 }

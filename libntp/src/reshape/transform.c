@@ -187,8 +187,11 @@ SELDOM static void keep_unused_floats(const job *j, const ntp__block *block, int
 {
     const char *s = ntp__at(&j->src, x, y);
     char *d = ntp__at_mut(j->dst, x, y);
+    const bool suspect = ntp__any_suspect(block, n, j->m);
+    if (!suspect && j->src.channels == 3 && j->src.encoding != NTP_ENCODING_XY)
+        return;
     for (int32_t i = 0; i < n; i++, s += j->src.pixel_stride, d += j->dst->pixel_stride) {
-        bool unused = ntp__texel_unused(block, i, j->m, 0);
+        const bool unused = suspect && ntp__texel_unused(block, i, j->m, 0);
         for (int32_t k = unused                               ? 0
                          : j->src.encoding == NTP_ENCODING_XY ? 2
                                                               : 3;

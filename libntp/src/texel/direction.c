@@ -200,17 +200,11 @@ void ntp__store_levels(const ntp_image *view, const ntp__block *block, int32_t x
         ntp__pack(view, block, x, y, n, view->channels);
         return;
     }
-    for (int32_t k = 0; k < view->channels; k++) {
-        const bool component = view->encoding == NTP_ENCODING_VECTOR && k < 3;
-        const float times = component ? 0x1p-15F : 0x1p-16F,
-                    less = component ? 65535 * 0x1p-16F : 0;
-        const int32_t *level = block->c[k];
-        char *d = ntp__at_mut(view, x, y) + k * (ptrdiff_t) sizeof(float);
-        for (int32_t i = 0; i < n; i++, d += view->pixel_stride) {
-            const float v = (float) level[i] * times - less; /* as in ntp__decode */
-            *(float *) (void *) d = v + v * (1 / 65535.0F);
-        }
-    }
+    ntp__float_planes planes;
+    for (int32_t k = 0; k < view->channels; k++)
+        ntp__floats_of_levels(planes[k], block->c[k], n, 65535,
+                              view->encoding == NTP_ENCODING_VECTOR && k < 3);
+    ntp__pack_floats(view, planes, x, y, n);
 }
 
 bool ntp__strength_of(ntp__strength *out, double strength)
