@@ -2,6 +2,7 @@
 """ntp_blend against the published formulas in fractions."""
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -84,6 +85,57 @@ def test_products_that_are_too_wide_for_floats():
     assert np.array_equal(
         got, blend_by_model(base, detail, RNM, 1.0, (0, 0), (0, 0), (255, 255), 0)
     )
+
+
+def ties(m):
+    """(x, y, z) of whole length L, which divides M: M x / 2L and M y / 2L are whole numbers for even x and y."""
+    found = []
+    for length in (k for k in range(3, 300, 2) if m % k == 0):
+        for x, y in itertools.product(range(0, length, 2), repeat=2):
+            z = math.isqrt(max(length**2 - x**2 - y**2, 0))
+            if z % 2 and x * x + y * y + z * z == length**2:
+                found.append((x, y, z))
+    return found
+
+
+def near_ties(m, rng, least, most):
+    """Whole (x, y, z) where M x / 2L is closer to a whole number than doubles say."""
+    found = []
+    while len(found) < 25:
+        x = rng.integers(1, m + 1, 1 << 20).astype(object)
+        k = (x * rng.uniform(least, most, x.size)).astype(int).clip(1, None)
+        square, by = x * x * m * m, 4 * k * k
+        length2 = (square + by // 2) // by
+        far = np.abs(square - by * length2).astype(float) / (square / k).astype(float)
+        for i in np.flatnonzero(far < 2.0**-34)[:40]:
+            y = np.arange(1, m + 1)
+            z2 = int(length2[i] - x[i] * x[i]) - y * y
+            z = np.sqrt(np.maximum(z2, 0)).round().astype(int)
+            right = np.flatnonzero((z > 0) & (z * z == z2) & (z <= m))
+            if right.size:
+                found.append((x[i], int(y[right[0]]), int(z[right[0]])))
+    return found
+
+
+@pytest.mark.parametrize("channels", [3, 4])
+@pytest.mark.parametrize("m", TYPES)
+def test_ties_and_what_is_close_to_them(m, channels):
+    """Each vector is the sum of a base and a detail, whose numerators are odd: so twice whole numbers."""
+    rng = np.random.default_rng(m)
+    exact = np.array(ties(m), int)
+    exact = np.concatenate([exact[:150] * k for k in (1, m // int(exact.max()))])
+    close = np.array(near_ties(m, rng, 0.26, 0.49), int) if m > 255 else exact[:0]
+    for signs in itertools.product((1, -1), repeat=3):
+        v = np.concatenate([exact, close, close[:, [1, 0, 2]]]) * signs
+        one = np.where(v % 2, v, np.where(v < m, v + 1, v - 1))
+        both = [((n + m) // 2).astype(f"u{1 if m == 255 else 2}") for n in (one, 2 * v - one)]
+        base, detail = (np.insert(t, 3, m, 1)[None, :, :channels].copy() for t in both)
+        for strength, other in ((1.0, detail), (-1.0, m - detail)):
+            if strength < 0:
+                other[..., 2:] = detail[..., 2:]
+            got = blend(base, other, LINEAR, strength)
+            want = blend_by_model(base, other, LINEAR, strength, (0, 0), (0, 0), (m, m), 0)
+            assert np.array_equal(got, want), (signs, strength)
 
 
 @pytest.mark.parametrize("mode", [RNM, WHITEOUT, UDN, LINEAR])

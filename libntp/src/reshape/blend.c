@@ -119,11 +119,11 @@ static void store_texel(const job *j, int32_t x, int32_t y, const ntp__block *ou
     }
 }
 
-/* One texel, exactly. */
-static void blend_texel(const job *j, ntp__block *out, const ntp__block *base,
-                        const ntp__block *detail, int32_t i)
+/* The levels of one texel, exactly. */
+static void blend_exactly(const job *j, int32_t c[3], const ntp__block *base,
+                          const ntp__block *detail, int32_t i)
 {
-    int32_t b[3], d[3], c[3] = { 0, 0, out->c[2][i] };
+    int32_t b[3], d[3];
     ntp__i128 v[3];
     ntp__texel_vector(b, base, i, j->mb, j->base->encoding);
     ntp__texel_vector(d, detail, i, j->md, j->detail->encoding);
@@ -133,6 +133,16 @@ static void blend_texel(const job *j, ntp__block *out, const ntp__block *base,
     if (ntp__i128_negative(v[2]) && b[2] >= 0 && d[2] >= 0)
         v[2] = ntp__i128_of(0);
     ntp__direction_levels(c, v, j->mb, j->base->encoding);
+}
+
+/* One texel in doubt, whose vector is `known` in doubles. */
+static void blend_texel(const job *j, ntp__block *out, const ntp__block *base,
+                        const ntp__block *detail, const ntp__vectors *known, int32_t i)
+{
+    const double v[3] = { known->c[0][i], known->c[1][i], known->c[2][i] };
+    int32_t c[3] = { 0, 0, out->c[2][i] };
+    if (!j->exact || !ntp__direction_decided(c, v, j->mb, j->base->encoding))
+        blend_exactly(j, c, base, detail, i);
     for (int32_t k = 0; k < 3; k++)
         out->c[k][i] = c[k];
 }
@@ -225,7 +235,7 @@ static void blend_block(const job *j, ntp__block *out, const ntp__block *base, n
         for (int32_t k = 0; again && k < 3; k++)
             out->c[k][i] = out->c[k][last];
         if (!again)
-            blend_texel(j, out, base, detail, i);
+            blend_texel(j, out, base, detail, &v, i);
         last = i;
     }
 }

@@ -121,22 +121,36 @@ static int32_t compare_exactly(const ntp__i128 v[3], int32_t i, int32_t k, int32
     return ntp__wide_compare(&left, &right);
 }
 
+/* The nearest whole number to d, and the floor of the quotient that d is near to: is it sure? */
+static bool floor_of(int32_t *nearest, int32_t *floor, double d)
+{
+    enum { LIFT = 65536 }; /* makes the quotient positive, so that a cast is a floor */
+    *nearest = (int32_t) (d + LIFT + 0.5) - LIFT;
+    const double away = d - *nearest;
+    *floor = away < 0 ? *nearest - 1 : *nearest;
+    return fabs(away) > 0x1p-30;
+}
+
 /* floor(M v[i] / 2L); d is an approximation of the quotient. */
 static int32_t half_quotient(const ntp__i128 v[3], int32_t i, int32_t m, double d)
 {
-    enum { LIFT = 65536 }; /* makes the quotient positive, so that a cast is a floor */
-    int32_t near = (int32_t) (d + LIFT + 0.5) - LIFT;
-    double away = d - near;
-    if (away > 0x1p-30)
-        return near;
-    if (away < -0x1p-30)
-        return near - 1;
+    int32_t nearest, floor;
+    if (floor_of(&nearest, &floor, d))
+        return floor;
     if (ntp__i128_is_zero(v[i]))
         return 0;
-    int32_t sign = compare_exactly(v, i, near, m);
+    int32_t sign = compare_exactly(v, i, nearest, m);
     if (ntp__i128_negative(v[i]))
         sign = -sign;
-    return sign >= 0 ? near : near - 1;
+    return sign >= 0 ? nearest : nearest - 1;
+}
+
+/* Puts blue to red and green. */
+static void add_blue(int32_t c[3], int32_t m, ntp_encoding encoding, bool down)
+{
+    int32_t b = ntp__derive(&c[0], &c[1], m, encoding == NTP_ENCODING_ZZERO);
+    if (encoding != NTP_ENCODING_XY)
+        c[2] = encoding != NTP_ENCODING_ZZERO && down ? m - b : b;
 }
 
 void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_encoding encoding)
@@ -149,9 +163,22 @@ void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_en
         c[0] += half_quotient(v, 0, m, x * half);
         c[1] += half_quotient(v, 1, m, y * half);
     }
-    int32_t b = ntp__derive(&c[0], &c[1], m, encoding == NTP_ENCODING_ZZERO);
-    if (encoding != NTP_ENCODING_XY)
-        c[2] = encoding != NTP_ENCODING_ZZERO && ntp__i128_negative(v[2]) ? m - b : b;
+    add_blue(c, m, encoding, ntp__i128_negative(v[2]));
+}
+
+bool ntp__direction_decided(int32_t c[3], const double v[3], int32_t m, ntp_encoding encoding)
+{
+    const double half = 0.5 * m / sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (!(half < m)) /* no length */
+        return false;
+    for (int32_t k = 0; k < 2; k++) {
+        int32_t nearest, floor;
+        if (!floor_of(&nearest, &floor, v[k] * half) && v[k] != 0)
+            return false;
+        c[k] = (m + 1) / 2 + floor;
+    }
+    add_blue(c, m, encoding, v[2] < 0);
+    return true;
 }
 
 static uint64_t beyond(ntp__i128 a, int32_t bits)

@@ -55,6 +55,9 @@ uint64_t ntp__pull_directions(ntp__block *out, int32_t *doubt, const ntp__vector
  */
 void ntp__direction_levels(int32_t c[3], const ntp__i128 v[3], int32_t m, ntp_encoding encoding);
 
+/* The same of whole numbers, as components; false: they do not tell, or are all 0. */
+bool ntp__direction_decided(int32_t c[3], const double v[3], int32_t m, ntp_encoding encoding);
+
 /* Halves all three, towards 0, until none has more than these bits. */
 void ntp__i128_shorten(ntp__i128 v[3], int32_t bits);
 
