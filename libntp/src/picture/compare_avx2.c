@@ -40,7 +40,7 @@ typedef struct pairs {
     float u0[NTP__BLOCK], g[NTP__BLOCK];
     int32_t small[NTP__BLOCK / 8], large[NTP__BLOCK / 8];
     int32_t n, smalls, larges, different;
-    int32_t listed, bin[NTP__BLOCK + 1];
+    int32_t listed, counted, bin[NTP__BLOCK + 1];
     uint32_t *bins;
 } pairs;
 
@@ -423,7 +423,7 @@ int32_t ntp__compare_rgb_avx2(ntp__compared *out, const void *a, const void *b, 
     int32_t rest = span;
     sums sum = { zero, zero, zero, zero };
     pairs p;
-    p.different = p.listed = 0;
+    p.different = p.listed = p.counted = 0;
     p.bins = out->bins;
     memset(out, 0, offsetof(ntp__compared, fullest));
     do {

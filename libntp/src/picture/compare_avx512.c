@@ -43,9 +43,9 @@ typedef struct pairs {
      * have one */
     double angle[LEFT + STEP];
     uint16_t different[LEFT / STEP];
-    int32_t n, listed, bin[NTP__BLOCK + LEFT + STEP];
-    int32_t
-        unused; /* texels that are black in one image and white in the other: their angle is 0 */
+    int32_t n, listed, counted, bin[NTP__BLOCK + LEFT + STEP];
+    /* Texels that have one, and those that are black in one image and white in the other: their angle is 0 */
+    int32_t texels, unused;
     uint32_t *bins;
 } pairs;
 
@@ -206,14 +206,11 @@ static void find_small(ntp__compared *out, pairs *p)
     add_angles(out, p, p->s2, p->d, p->n, out->left);
 }
 
-/* Are so many angles of a block large that it is quicker to take all as any?  Every fourth eight tell.  Also
- * counts those that are different. */
-static bool are_large(ntp__compared *out, const pairs *p)
+/* Are so many angles of a block large that it is quicker to take all as any?  Every fourth eight tell. */
+static bool are_large(const pairs *p)
 {
     const int32_t apart = 2 * STEP;
     int32_t large = 0;
-    for (int32_t i = 0; i < p->n; i += STEP)
-        out->different += __builtin_popcount(p->different[i / STEP]);
     for (int32_t i = 0; i < p->n; i += apart) {
         const __m512d d = _mm512_load_pd(p->d + i), s2 = _mm512_load_pd(p->s2 + i);
         const __m512d ahead = _mm512_max_pd(d, _mm512_setzero_pd());
@@ -226,7 +223,7 @@ static bool are_large(ntp__compared *out, const pairs *p)
 /* The angles of a block. */
 static void find_block(ntp__compared *out, pairs *p)
 {
-    if (are_large(out, p))
+    if (are_large(p))
         find_any(out, p, p->s2, p->d, p->n, out->left);
     else
         find_small(out, p);
@@ -250,12 +247,8 @@ static inline void keep(pairs *p, const __m512d s2[2], const __m512d d[2], uint3
         _mm512_store_pd(p->d + n + STEP / 2 * k, d[k]);
     }
     p->different[n / STEP] = (uint16_t) different;
+    p->texels += __builtin_popcount(different);
     p->n = (int32_t) (n + STEP);
-}
-
-static inline bool are_equal(__m512i a, __m512i b)
-{
-    return _mm512_cmpneq_epi32_mask(a, b) == 0;
 }
 
 /* ------------------------------------------------------------------------------ 8 bit */
@@ -290,8 +283,6 @@ static inline __m512i multiply8(__m512d s2[2], __m512d d[2], texels a, texels of
 static inline void step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *pb)
 {
     const __m512i va = load_48(pa), vb = load_48(pb);
-    if (are_equal(va, vb))
-        return;
     const texels a = spread8(va), b = spread8(vb);
     const texels off = { _mm512_sub_epi16(b.rg, a.rg), _mm512_sub_epi16(b.b, a.b) };
     const __m512i rg = _mm512_abs_epi16(off.rg), blue = _mm512_abs_epi16(off.b);
@@ -302,6 +293,8 @@ static inline void step8(pairs *p, sums *sum, const uint8_t *pa, const uint8_t *
     __m512d s2[2], d[2];
     const __m512i l = multiply8(s2, d, a, off);
     uint32_t different = _mm512_test_epi32_mask(l, l);
+    if (different == 0)
+        return;
     /* Of all opposite corners */
     const __mmask16 corners = _mm512_cmpeq_epi32_mask(l, _mm512_set1_epi32(3 * 255 * 255));
     if (corners != 0) {
@@ -386,9 +379,9 @@ static inline void step16(pairs *p, sums *sum, const uint8_t *pa, const uint8_t 
     __m512d s2[2], d[2];
     const __m512i a0 = load_48(pa), b0 = load_48(pb);
     const __m512i a1 = load_48(pa + HALF), b1 = load_48(pb + HALF);
-    if (are_equal(a0, b0) && are_equal(a1, b1))
-        return;
     const uint32_t low = add_levels16(p, sum, a0, b0), high = add_levels16(p, sum, a1, b1);
+    if ((low | high) == 0)
+        return;
     multiply16(&s2[0], &d[0], a0, b0);
     multiply16(&s2[1], &d[1], a1, b1);
     keep(p, s2, d, low | high << 8);
@@ -413,7 +406,7 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
     int32_t rest = span, kept = 0;
     sums sum = { zero, zero, zero, zero };
     pairs p;
-    p.listed = p.unused = 0;
+    p.listed = p.counted = p.texels = p.unused = 0;
     p.bins = out->bins;
     memset(out, 0, offsetof(ntp__compared, fullest));
     do {
@@ -432,8 +425,8 @@ int32_t ntp__compare_rgb_avx512(ntp__compared *out, const void *a, const void *b
     else
         finish8(out, &sum);
     count_rest(&p);
-    out->found = out->different - out->left;
-    out->different += p.unused;
+    out->found = p.texels - out->left;
+    out->different = p.texels + p.unused;
     end_lanes();
     return span - rest;
 }

@@ -3,7 +3,7 @@
  * compare_steps_tmpl.h - how kernels that compare packed RGB go along a block
  *
  * The file that includes it has STEP, the texels that its step8 and step16 take, and what these keep:
- * pairs and sums.  Pairs have n texels of a block, and `listed` bins that are to be counted in `bins`.
+ * pairs and sums.  Pairs have n texels of a block, and `listed` bins, of which `counted` are in `bins`.
  */
 #include "base/inlining.h"
 
@@ -24,10 +24,10 @@ SELDOM static const uint8_t *copy_last(uint8_t few[BYTES], const uint8_t *from, 
 /* Counts bins of the block before, while the numbers of this one are waited for. */
 static inline void count_some(pairs *p)
 {
-    if (p->listed < STEP)
+    if (p->listed - p->counted < STEP)
         return;
-    p->listed -= STEP;
-    const int32_t *const bin = p->bin + p->listed;
+    const int32_t *const bin = p->bin + p->counted;
+    p->counted += STEP;
     uint32_t *const bins = p->bins;
     for (int32_t i = 0; i < STEP; i += 2) {
         uint64_t two;
@@ -40,8 +40,8 @@ static inline void count_some(pairs *p)
 /* Counts those that are not counted yet. */
 ONE_COPY static void count_rest(pairs *p)
 {
-    ntp__count_angles(p->bins, p->bin, p->listed);
-    p->listed = 0;
+    ntp__count_angles(p->bins, p->bin + p->counted, p->listed - p->counted);
+    p->listed = p->counted = 0;
 }
 
 /* Goes along whole steps, at least one, until the block is full; returns how many texels these are. */
