@@ -222,6 +222,18 @@ def test_shade_of_all_texels():
         assert np.array_equal(shade(texels), expected_shade(texels, 255, ntp.STANDARD)), red
 
 
+def test_shade_of_glints():
+    """Glints are what floats know least of; with little other light, they are decided by a wider bound."""
+    rng = np.random.default_rng(9)
+    texels = np.full((600, 1000, 3), 65535, np.uint16)
+    texels[..., :2] = np.clip(rng.normal(32768, 9000, (600, 1000, 2)), 0, 65535)
+    for ambient, diffuse in ((0, 0), (1e-5, 0), (0.002, 0), (0.3, 0), (0.1, 0.4)):
+        light = ([0.1, -0.2, 0.9], ambient, diffuse, 1, [0.7] * 3)
+        assert np.array_equal(
+            shade(texels, light=light), expected_shade(texels, 65535, ntp.STANDARD, light)
+        )
+
+
 def test_shade_lights_what_faces_the_light():
     """A hill: its upper left side is lit, in either orientation of y."""
     y, x = np.mgrid[1:-1:64j, -1:1:64j] * 0.6

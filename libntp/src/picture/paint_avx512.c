@@ -4,8 +4,8 @@
  *
  * As paint_avx2.c, but 16 texels at a time, and in one loop.  With u = 2^-24, the guess of 1 over a length is off
  * by less than 2^-14, its step leaves 1.5 times the square of that, u/10, and adds 2.5u; the square of the length
- * adds 1.5u.  So a component is off by less than 6u, not 4u, and the products of shade.c by less than 12u of
- * its 16u.  Faults take few instructions, so no branch asks whether there are any: it would
+ * adds 1.5u.  So 1 over a length is off by less than 4.2u, not 3.5u, and cosines by less than 9.2u of the 10u in
+ * shade.c.  Faults take few instructions, so no branch asks whether there are any: it would
  * often be mispredicted.
  */
 #include "picture/paint_avx2.h"

@@ -194,13 +194,15 @@ static void lift_z(const job *j, ntp__block *block, int32_t n)
 }
 
 /*
- * The same in floats, whose roundings are off by up to u = 2^-24 of a result.  A component of a unit
- * vector is off by at most 4 u.  So the products with the light and with the half vector are off by
- * 16 u.  The power is off by 32 * 16 u of g^31, which is at most g^32 + 1/85, and by its own roundings:
- * 600 u of itself and 16 u.  Where the light just touches a texel, it may be on the wrong side.  A
- * linear light v that is off by `off` has a root that is off by at most off / root(v).  z of XY is a root in
- * whole 1/LIFT (lift_z); that and its rounding to a float add 2.1 u to products of which all other roundings are
- * 9 u.
+ * The same in floats, whose roundings are off by up to u = 2^-24 of a result; squares of u are left out.
+ * A square of a length is off by 3 u of itself, so 1 over the length is by 3.5 u.  The sum of products with
+ * the light, or with the half vector, has 4 roundings, of numbers whose sizes add up to the length at most.
+ * Its product with 1 over the length has one more.  z of XY, a root in whole 1/LIFT (lift_z), is off by 1.1 u of
+ * itself as a float, which turns the vector by half of that at most.  So both cosines are off by 10 u.  The
+ * power is off by 32 * 10 u of g^31, which is at most g^32 + 1/85, and by 31 u of itself: 360 u of itself and
+ * 4 u.  All else rounds light up to 1 six times.  Where the light just touches a texel, it may be on the wrong
+ * side.  A linear light v that is off by `off` has a root that is off by at most off / root(v); and by half of
+ * that, and a 50th of it, where v is not below 16 off, as it is nowhere with enough ambient light.
  */
 static ntp__lamp lamp_of(const job *j)
 {
@@ -222,8 +224,14 @@ static ntp__lamp lamp_of(const job *j)
         lamp.towards[k] = (float) j->towards[k];
         lamp.half[k] = (float) j->half[k];
     }
-    lamp.off = (16 + 16 * lamp.diffuse + 16 * lamp.specular) * 0x1p-24F * 255.0F;
-    lamp.off_by_glint = 600 * lamp.specular * 0x1p-24F * 255.0F;
+    float least = 1;
+    for (int32_t k = 0; k < 3; k++)
+        least = (float) l->color[k] < least ? (float) l->color[k] : least;
+    const float off = (8 + 10 * lamp.diffuse + 5 * lamp.specular) * 0x1p-24F;
+    const float more = 360 * lamp.specular * 0x1p-24F;
+    const float by = least * lamp.ambient > 17 * (off + more) ? 0.52F * 255.0F : 255.0F;
+    lamp.off = off * by;
+    lamp.off_by_glint = more * by;
     return lamp;
 }
 
