@@ -38,7 +38,7 @@ top = os.getcwd()
 entries = json.load(open("build/compile_commands.json"))
 names = {os.path.realpath(os.path.join(e["directory"], e["file"])) for e in entries}
 for e in entries:
-    e["command"] = re.sub(r"'-mtune-ctrl=[^']*'|-fvect-cost-model=very-cheap|-fno-(move-loop-invariants|split-loops|thread-jumps)\b", "", e["command"])
+    e["command"] = re.sub(r"'-mtune-ctrl=[^']*'|-fvect-cost-model=very-cheap|-fira-region=all|-fno-(move-loop-invariants|split-loops|thread-jumps)\b", "", e["command"])
 json.dump(entries, open("build/tidy/compile_commands.json", "w"))
 names = {os.path.relpath(n, top) for n in names}
 print("\n".join(sorted(n for n in names if n.endswith(".c") and n.split("/")[0] in ("libntp", "os", "io", "cli", "gimp-plugin", "tests"))))
