@@ -139,6 +139,14 @@ static int32_t count_noise16(ntp_tally *t, waiting *w, const uint16_t *p, int32_
 }
 #endif
 
+/* So many levels, which are to be judged after others: while these are, processors fetch nothing by themselves. */
+static inline void fetch_levels(const uint16_t *p, int32_t n)
+{
+    enum { LINE = 64 };
+    for (size_t i = 0; i < (size_t) n * sizeof *p; i += LINE)
+        fetch((const uint8_t *) p, i);
+}
+
 /* Packed RGB that no alpha makes unused. */
 static void count_words(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 {
@@ -161,6 +169,7 @@ static void count_words(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
         };
         w->noise--;
         done = n < NTP__BLOCK ? n : NTP__BLOCK;
+        fetch_levels(p + 3 * NTP__BLOCK, NTP__BLOCK * 3);
         ntp__unpack(&block, &row, 0, 0, done);
         count_planes(t, &w->narrow, &block, done, 65535, true);
     }
@@ -239,7 +248,7 @@ static void count_alpha16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n
 {
     const uint64_t one = 0x0001000100010001;
     uint8_t narrow[4 * RGBA_AT_ONCE];
-    uint32_t sum = 0, least = 65535, greatest = 0, wide = 0;
+    uint32_t sum = 0, least = 65535, greatest = 0, wide = 0, full = 0;
     for (int32_t i = 0; i < n; i++) {
         const uint32_t a = p[4 * i + 3];
         uint64_t texel;
@@ -254,8 +263,9 @@ static void count_alpha16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n
         least = a < least ? a : least;
         greatest = a > greatest ? a : greatest;
         wide |= a >> 8 ^ a;
-        t->wide_alpha_ends[1] += a == 65535;
+        full += a == 65535;
     }
+    t->wide_alpha_ends[1] += full;
     count_alphas(t, &w->narrow.alpha, narrow, n);
     t->is_wide |= (wide & 255) != 0;
     t->alpha_levels.sum += sum;
@@ -298,6 +308,7 @@ static void count_rgba16(ntp_tally *t, waiting *w, const ntp_const_image *src, i
         found = take_all(rgb, p, n);
     if (w->clear || found.clear > 0)
         found = take_used(rgb, p, n, touched);
+    fetch_levels(p + 4 * (size_t) n, 4 * n);
     w->clear = found.clear > 0;
     t->wide_alpha_ends[0] += (uint32_t) found.clear;
     if (found.every == M) {
