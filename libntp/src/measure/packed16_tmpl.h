@@ -246,19 +246,13 @@ static int32_t wait_hidden(ntp_tally *t, waiting *w, ntp__block *block, int32_t 
 /* Alpha that is not only 0 and M.  Unused texels are not on the disc: they have an alpha of 0, or a green of 0 or M. */
 static void count_alpha16(ntp_tally *t, waiting *w, const uint16_t *p, int32_t n)
 {
-    const uint64_t one = 0x0001000100010001;
     uint8_t narrow[4 * RGBA_AT_ONCE];
     uint32_t sum = 0, least = 65535, greatest = 0, wide = 0, full = 0;
+    /* ntp__narrow in words: no difference or sum leaves them */
+    for (int32_t i = 0; i < 4 * n; i++)
+        narrow[i] = (uint8_t) ((uint16_t) (p[i] - (p[i] >> 8) + (p[i] >> 15) + 127) >> 8);
     for (int32_t i = 0; i < n; i++) {
         const uint32_t a = p[4 * i + 3];
-        uint64_t texel;
-        memcpy(&texel, p + 4 * i, sizeof texel);
-        /* ntp__narrow of four at once: no difference or sum leaves its 16 bits */
-        texel = texel - (texel >> 8 & 255 * one) + (texel >> 15 & one) + 127 * one;
-        texel = texel >> 8 & 255 * one;
-        texel = (texel | texel >> 8) & 0x0000ffff0000ffff;
-        const uint32_t four = (uint32_t) (texel | texel >> 16);
-        memcpy(narrow + 4 * i, &four, sizeof four);
         sum += a; /* below 2^26 */
         least = a < least ? a : least;
         greatest = a > greatest ? a : greatest;
