@@ -95,6 +95,7 @@ class Pictures:
                 self.rgb16[drawn] = rgb8[drawn] * np.uint16(257)
             self.height16 = (heights(size) * 65535 + 0.5).astype(np.uint16)
         self.rgba8 = np.dstack([self.rgb8, np.full((size, size), 255, np.uint8)])
+        self.xy8 = np.ascontiguousarray(self.rgb8[..., :2])
         off = rng.integers(-4, 5, shape, np.int8)
         self.damaged8 = np.clip(self.rgb8.astype(np.int16) + off, 0, 255).astype(np.uint8)
         more = rng.integers(-999, 1000, shape, np.int16)
@@ -180,6 +181,10 @@ def operations(p):
          theirs(in_floats.decode_floats, p.rgb8, out["32"])),
         ("decode: RGB16 to floats", 6, plain(nt.decode, p.rgb16, out=out["32"]),
          theirs(in_floats.decode_floats, p.rgb16, out["32"])),
+        ("decode: RGBA8 to floats", None, plain(nt.decode, p.rgba8, out=out["32"]),
+         theirs(in_floats.decode_floats, p.rgba8[..., :3], out["32"])),
+        ("decode: XY of 8 bit to floats", None, plain(nt.decode, p.xy8, type="xy", out=out["32"]),
+         theirs(in_floats.pairs_floats, p.xy8, out["32"])),
         ("encode: floats to 8 bit", 12, plain(nt.encode, p.vectors, out=o8),
          theirs(in_floats.encode_floats, p.vectors, o8)),
         ("encode: floats to 16 bit", 18, plain(nt.encode, p.vectors, depth=16, out=o16),
@@ -195,6 +200,9 @@ def operations(p):
         ("strength 1.7: RGB16", 15,
          plain(nt.transform, p.rgb16, **std, y="up", strength=1.7, out=o16),
          theirs(in_floats.stronger_floats, p.rgb16, o16)),
+        ("strength 1.7: float vectors", None,
+         plain(nt.transform, p.vectors, type="vector", y="up", strength=1.7, out=out["32"]),
+         theirs(in_floats.stronger_vectors, p.vectors, out["32"])),
         ("blend: RGB8", 21, plain(nt.blend, p.rgb8, p.other8, **std, y="up", detail_y="up", out=o8),
          theirs(in_floats.blend_floats, p.rgb8, p.other8, o8)),
         ("blend: RGB16", 21,

@@ -79,6 +79,24 @@ def stronger_floats(texture, out):
     stored(x, y, z, out)
 
 
+def pairs_floats(pairs, out):
+    x, y = (cv2.addWeighted(c, 2 / 255, c, 0, -1, dtype=cv2.CV_32F) for c in cv2.split(pairs))
+    squares = cv2.multiply(x, x)
+    cv2.accumulateSquare(y, squares)
+    cv2.merge([x, y, cv2.sqrt(cv2.max(1 - squares, 0.0))], out)
+
+
+def stronger_vectors(vectors, out):
+    x, y, z = cv2.split(vectors)
+    x *= np.float32(1.7)
+    y *= np.float32(1.7)
+    squares = cv2.multiply(x, x)
+    cv2.accumulateSquare(y, squares)
+    cv2.accumulateSquare(z, squares)
+    factor = cv2.divide(1, cv2.sqrt(squares))
+    cv2.merge([cv2.multiply(c, factor) for c in (x, y, z)], out)
+
+
 def turned_floats(texture, out):
     r, g, b = cv2.split(cv2.rotate(texture, cv2.ROTATE_90_CLOCKWISE))
     cv2.merge([g, cv2.bitwise_not(r), b], out)
