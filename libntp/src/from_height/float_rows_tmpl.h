@@ -3,34 +3,58 @@
  * float_rows_tmpl.h - a part of gradient.c: blocks whose normals are floats
  */
 
-/* Makes the floats of a block by the loop and fills s->doubt. */
-static void encode_floats(walk *w, strip *s, const facts *f, float *const value[3], int32_t n)
+/* Do texels of the result lie side by side as the loop writes them? */
+static bool can_pack_floats(const walk *w)
 {
-    double sums[2][NTP__BLOCK];
-    if (w->floats ? !trust_floats(w, f) : !w->doubles) {
-        for (int32_t i = 0; i < n; i++)
-            s->doubt[i] = 1;
-        return;
+    const ntp_image *dst = w->g.dst;
+    return dst->channels == 3 && dst->encoding != NTP_ENCODING_XY &&
+           dst->pixel_stride == 3 * (ptrdiff_t) sizeof(float);
+}
+
+/* Makes the floats of a block by the loop.  at: the places of texels in doubt; returns how many there are. */
+static int32_t encode_floats(walk *w, strip *s, float *d, int32_t *at, int32_t x, int32_t y,
+                             int32_t n)
+{
+    if (w->quick) {
+        const float *rows[3];
+        rows_of_heights(w, s, rows, x, y, n);
+        const void *const from[3] = { rows[0], rows[1], rows[2] };
+        const int32_t found = w->encode_vectors(d, at, from, NTP__FROM_INTEGERS, n, &w->encode);
+        sums_of_places(w, s, rows, at, found);
+        return found;
     }
-    sums_as_doubles(sums, w, s, NULL, n);
-    for (int32_t i = n; i % NTP__LANES != 0; i++)
-        sums[0][i] = sums[1][i] = 0; /* whole groups are encoded */
-    w->g.loops->encode_floats(value, s->doubt, sums[0], sums[1], n, &w->encode);
+    const facts f = all_tap_sums(w, s, x, y, n);
+    if (w->floats ? !trust_floats(w, &f) : !w->doubles) {
+        for (int32_t i = 0; i < n; i++)
+            at[i] = i;
+        return n;
+    }
+    const void *const from[3] = { w->ints ? (const void *) s->sums.i[0] : s->sums.d[0],
+                                  w->ints ? (const void *) s->sums.i[1] : s->sums.d[1] };
+    return w->encode_vectors(d, at, from, w->ints ? NTP__FROM_SUMS_I : NTP__FROM_SUMS_D, n,
+                             &w->encode);
+}
+
+static void settle_float(walk *w, const strip *s, float *d, int32_t x, int32_t y, int32_t i)
+{
+    ntp__normal normal;
+    settle_exactly(w, s, &normal, x, y, i);
+    memcpy(d + 3 * i, normal.value, sizeof normal.value);
 }
 
 static void do_float_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
-    float plane[3][NTP__BLOCK];
-    float *const value[3] = { plane[0], plane[1], plane[2] };
-    const facts f = all_tap_sums(w, s, x, y, n);
-    encode_floats(w, s, &f, value, n);
-    for (int32_t i = 0; i < n; i++) {
-        if (s->doubt[i] == 0 && !s->moved[i])
-            continue;
-        ntp__normal normal;
-        settle_exactly(w, s, &normal, x, y, i);
-        for (int32_t k = 0; k < 3; k++)
-            plane[k][i] = normal.value[k];
+    float line[3 * NTP__BLOCK], *const d = w->packed ? ntp__at_mut(w->g.dst, x, y) : line;
+    int32_t at[NTP__BLOCK];
+    const int32_t found = encode_floats(w, s, d, at, x, y, n);
+    for (int32_t i = 0; i < found; i++) {
+        if (!s->moved[at[i]])
+            settle_float(w, s, d, x, y, at[i]);
     }
-    ntp__gradient_pack_floats(&w->g, value, x, y, n);
+    for (int32_t i = 0; s->any_moved && i < n; i++) {
+        if (s->moved[i])
+            settle_float(w, s, d, x, y, i);
+    }
+    if (!w->packed)
+        ntp__gradient_pack_floats(&w->g, line, x, y, n);
 }

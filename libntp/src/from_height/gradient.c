@@ -15,20 +15,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Within these limits no float (double) of the encoding loops leaves the normal range.  The least
- * is for c/N unless it is 0, the most for c/N times the greatest tap sum.  The loops compute
- * squares of such numbers. */
-static const double least_single = 0x1p-60, most_single = 0x1p60;
-static const double least_double = 0x1p-400, most_double = 0x1p400;
-
-/* Float heights other than 0 differ by no less than 2^-24 of the least one, so with these their
- * slopes too stay in the range of floats. */
-static const double least_height = 0x1p-70, least_for_floats = 0x1p-30;
-
-/* The error of tap sums in double that are not exact, over the greatest sum: they have fewer than
- * 64 roundings. */
-static const double sum_error = 0x1p-47;
-
 enum {
     GROUP = NTP__LANES, /* texels that are looked at together */
     /* Rows of a band.  A strip as high as the image would touch a memory page for each row; one of few
@@ -46,13 +32,14 @@ typedef struct walk {
     bool blue;       /* blue is wanted */
     bool doubles;    /* the loops may compute in double; else every texel exactly */
     bool single;     /* also in float, but for texels in doubt */
-    bool packed;     /* the latter may go to packed pixels in one step */
+    bool packed;     /* the latter, and floats, may go to packed pixels in one step */
     bool quick;      /* from 3 x 3 heights, too */
     double greatest; /* bound of the tap sums for heights of magnitude 1 */
     ntp__encode encode;
     ntp_normals_counts counts;
     int32_t first; /* first row of the area */
     ntp__encode_packed_fn *encode_rows;
+    ntp__encode_vectors_fn *encode_vectors;
     ntp__wave_memory *wave;      /* dithering: of the scratch */
     ntp__dither_waves_fn *waves; /* dithering: of two waves; NULL: of one */
     double *errors;              /* dithering: carried down, one for each column; NULL: none */
@@ -74,38 +61,7 @@ typedef struct strip {
 
 /* ------------------------------------------------------------------------------ the plan */
 
-static bool within(const ntp__scaled *exact, double c, double least, double most, double greatest)
-{
-    c = c < 0 ? -c : c;
-    return exact->mantissa == 0 || (c >= least && c * greatest <= most);
-}
-
-/* Decides which arithmetic the loops may use for tap sums up to `greatest`. */
-static void set_arithmetic(walk *w, double greatest)
-{
-    const ntp__gradient *g = &w->g;
-    const double least = w->floats ? least_for_floats : least_single;
-    const double most = greatest > 1 ? greatest : 1;
-    w->doubles = (g->m > 0 || g->shortened > 0) &&
-                 within(&g->x, g->cx, least_double, most_double, greatest) &&
-                 within(&g->y, g->cy, least_double, most_double, greatest);
-    w->single = w->doubles && within(&g->x, g->cx, least, most_single, most) &&
-                within(&g->y, g->cy, least, most_single, most);
-    w->encode.off = 1;
-    w->encode.rough = 0;
-}
-
-/* The tap sums, in doubles, are off by up to greatest * sum_error.  No component of a normal
- * changes by more than the slope does. */
-static void set_inexact(walk *w, double greatest)
-{
-    double cx = w->g.cx < 0 ? -w->g.cx : w->g.cx, cy = w->g.cy < 0 ? -w->g.cy : w->g.cy;
-    w->encode.rough = (cx + cy) * greatest * sum_error;
-    const double off = w->encode.half * w->encode.rough;
-    w->doubles = w->doubles && off < 0.25;
-    if (w->doubles)
-        w->encode.off = 2 + (int32_t) (off * NTP__OFF_ONE);
-}
+#include "from_height/arithmetic_tmpl.h"
 
 static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image *src,
                             const ntp_normals_options *how)
@@ -116,6 +72,7 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
     w->encode_rows = ntp__encode_rows_for(NTP__CPU_ALL);
     if (w->encode_rows == NULL)
         w->encode_rows = g->loops->encode_packed;
+    w->encode_vectors = ntp__encode_vectors_for(NTP__CPU_ALL);
     w->ints = ntp__heights_are_int(g);
     w->floats = src->type == NTP_TYPE_F32;
     w->blue = g->derived || dst->encoding != NTP_ENCODING_XY;
@@ -136,6 +93,7 @@ static ntp_status make_walk(walk *w, const ntp_image *dst, const ntp_const_image
         set_arithmetic(w, w->greatest);
         if (w->greatest > 0x1p53)
             set_inexact(w, w->greatest);
+        set_plain(w, 1, w->greatest);
     }
     return NTP_OK;
 }
@@ -226,6 +184,7 @@ static bool trust_floats(walk *w, const facts *f)
     else if (!(gain * f->most <= 0x1p28 * f->least))
         set_inexact(w, gain * f->most);
     w->single = w->single && one_product && f->least >= least_height;
+    set_plain(w, f->least * 0x1p-24, gain * f->most);
     return w->doubles;
 }
 
@@ -371,8 +330,8 @@ static facts all_tap_sums(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
     return f;
 }
 
-#include "from_height/float_rows_tmpl.h"
 #include "from_height/packed_tmpl.h"
+#include "from_height/float_rows_tmpl.h"
 
 static void do_block(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
 {
@@ -459,8 +418,9 @@ ntp_status ntp_normals_from_height(const ntp_image *dst, const ntp_const_image *
     ntp_rect r;
     NTP__TRY(make_walk(&w, dst, src, how));
     NTP__TRY(ntp__check_area(&r, src, area));
-    w.packed = can_pack(&w);
-    w.quick = w.packed && can_be_quick(&w);
+    const bool vectors = dst->type == NTP_TYPE_F32;
+    w.packed = vectors ? can_pack_floats(&w) : can_pack(&w);
+    w.quick = (vectors || w.packed) && can_be_quick(&w);
     do_bands(&w, r);
     add_counts(counts, &w);
     return NTP_OK;

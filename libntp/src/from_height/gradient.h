@@ -4,13 +4,15 @@
  *
  * This room makes normals from heights.
  *   plan.c              checks the options and turns them into numbers; names of kernels, borders
- *   gradient.c          ntp_normals_from_height, ntp_normals_dithered: walks over the area
+ *   gradient.c          ntp_normals_from_height, ntp_normals_dithered: walks over the area;
+ *                       arithmetic_tmpl.h is a part of it
  *   height_rows.c       makes rows of heights, extended beyond the borders
  *   gradient_kernels.c  the loops, with tap_sums_tmpl.h and encode_tmpl.h
  *   encode_avx2.c       the latter for packed RGB, with AVX2, also straight from 3 x 3 heights,
  *                       as encode_avx512.c does with AVX-512;
- *                       packed_tmpl.h is a part of gradient.c for it,
- *                       float_rows_tmpl.h the part for normals that are floats
+ *                       packed_tmpl.h is a part of gradient.c for it
+ *   vectors_avx2.c      the same of floats, by vectors_tmpl.h, which vectors_avx512.c includes too;
+ *                       float_rows_tmpl.h is a part of gradient.c for it
  *   exact.c             rounds exactly the texels that the loops are in doubt about
  *   dither_tmpl.h       a part of them: rounds so that errors do not add up;
  *                       dither_avx2_tmpl.h is the same with AVX2, dither_avx512.c of 8 bit
@@ -98,7 +100,7 @@ ntp_status ntp__gradient_source(ntp__gradient *g, ntp_height_source source);
 
 /* Writes a run of levels, or of floats.  Fills in alpha, and the third sample of NTP_ENCODING_XY. */
 void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, int32_t y, int32_t n);
-void ntp__gradient_pack_floats(const ntp__gradient *g, float *const value[3], int32_t x, int32_t y,
+void ntp__gradient_pack_floats(const ntp__gradient *g, const float *value, int32_t x, int32_t y,
                                int32_t n);
 
 /* The exact level of a z in 0..1: floor((M + 1 + M z)/2), or floor(M z + 1/2) for Z-zero. */
@@ -175,6 +177,8 @@ typedef struct ntp__encode {
     int32_t off; /* 1, and the error of M/2 times a component that tap sums cause, in 2^-15 */
     /* Floats: */
     bool unit;    /* components are (n + 1)/2, that of z is z if Z-zero; else as they are */
+    bool steep;   /* squares of slopes may be beyond floats */
+    bool plain;   /* components other than 0 are in their normal range, and have no other error */
     double min_z; /* no z is less */
     double rough; /* the error of a component that tap sums cause */
 } ntp__encode;
@@ -189,10 +193,6 @@ typedef int32_t ntp__encode_i_fn(int32_t *red, int32_t *green, int32_t *blue, in
 typedef int32_t ntp__encode_d_fn(int32_t *red, int32_t *green, int32_t *blue, int32_t *doubt,
                                  const double *right, const double *down, int32_t n,
                                  const ntp__encode *e);
-
-/* value: the components as floats, red, green and blue.  doubt[i] as above. */
-typedef void ntp__encode_floats_fn(float *const value[3], int32_t *doubt, const double *right,
-                                   const double *down, int32_t n, const ntp__encode *e);
 
 /* What packed texels are made of: tap sums to the right and down, or three rows of heights as floats, which
  * are integers whose tap sums are exact, or not. */
@@ -213,6 +213,13 @@ typedef enum ntp__packed_from {
 typedef int32_t ntp__encode_packed_fn(uint8_t *d, int32_t *at, const void *const from[3],
                                       ntp__packed_from which, int32_t n, const ntp__encode *e,
                                       bool deep);
+
+/* The same of floats, in any encoding, whatever cx and cy are.  Of rows of heights: of integers, with AVX2. */
+typedef int32_t ntp__encode_vectors_fn(float *d, int32_t *at, const void *const from[3],
+                                       ntp__packed_from which, int32_t n, const ntp__encode *e);
+
+/* The best for a mask. */
+ntp__encode_vectors_fn *ntp__encode_vectors_for(int mask);
 
 /* The same from rows of heights alone, with AVX-512; NULL without. */
 ntp__encode_packed_fn *ntp__encode_rows_for(int mask);
@@ -288,7 +295,7 @@ struct ntp__gradient_kernels {
     ntp__take_floats_fn *take_floats;
     ntp__encode_i_fn *encode_i;                    /* in float arithmetic */
     ntp__encode_d_fn *encode_d, *encode_precisely; /* in float, in double */
-    ntp__encode_floats_fn *encode_floats;          /* in double */
+    ntp__encode_vectors_fn *encode_vectors;        /* in double */
     ntp__encode_packed_fn *encode_packed;          /* in float; NULL where planes are as fast */
     ntp__take_heights_fn *take_heights;            /* NULL where that is */
     ntp__dither_fn *dither;

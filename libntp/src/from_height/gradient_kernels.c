@@ -177,33 +177,46 @@ static int32_t encode_precisely(int32_t *red, int32_t *green, int32_t *blue, int
     return round_slopes_double(red, green, blue, doubt, x, y, n, e);
 }
 
-/* What is closer to the middle of two floats than this part of it is in doubt.  ntp__gradient_exact counts as wide
- * what is closer than 2^-46 of it, so all of these have to get there. */
+#ifndef __AVX2__
+/* What is closer to the middle of two floats than this part of it is in doubt (vectors_tmpl.h says why). */
 static const double float_doubt = 0x1p-45;
 
 /* The error of (n + 1)/2 that does not shrink with it: 16u n/2. */
 static const double unit_error = 0x1p-49;
 
-/* Components as floats, plain or as (n + 1)/2. */
+/* Components as floats, plain or as (n + 1)/2: every third number. */
 static void round_components(float *restrict to, int32_t *restrict doubt, const double *restrict v,
                              int32_t n, bool unit, double rough)
 {
     const double factor = unit ? 0.5 : 1, more = unit ? 0.5 : 0;
     const double error = unit ? rough / 2 + unit_error : rough;
-    for (int32_t i = 0; i < n; i++) {
+    float line[NTP__BLOCK];
+    for (int32_t i = 0; i < (n + NTP__LANES - 1) / NTP__LANES * NTP__LANES; i++) {
         const double t = v[i] * factor + more, off = fabs(t) * float_doubt + error;
         const float low = (float) (t - off), high = (float) (t + off);
-        to[i] = low + 0.0F; /* never -0 */
+        line[i] = low + 0.0F; /* never -0 */
         doubt[i] |= low != high;
     }
+    for (int32_t i = 0; i < n; i++)
+        to[3 * i] = line[i];
 }
 
-static void encode_floats(float *const value[3], int32_t *doubt, const double *right,
-                          const double *down, int32_t n, const ntp__encode *e)
+static int32_t encode_vectors(float *d, int32_t *at, const void *const from[3],
+                              ntp__packed_from which, int32_t n, const ntp__encode *e)
 {
-    double z[NTP__BLOCK];
-    MAKE_SLOPES(double)
+    double x[NTP__BLOCK], y[NTP__BLOCK], z[NTP__BLOCK];
+    int32_t doubt[NTP__BLOCK] = { 0 }, found = 0;
+    const int32_t whole = (n + NTP__LANES - 1) / NTP__LANES * NTP__LANES;
+    const bool ints = which == NTP__FROM_SUMS_I;
     for (int32_t i = 0; i < n; i++) {
+        x[i] = (ints ? (double) ((const int32_t *) from[0])[i] : ((const double *) from[0])[i]) *
+               e->cx;
+        y[i] = (ints ? (double) ((const int32_t *) from[1])[i] : ((const double *) from[1])[i]) *
+               e->cy;
+    }
+    for (int32_t i = n; i < whole; i++)
+        x[i] = y[i] = 0;
+    for (int32_t i = 0; i < whole; i++) {
         const double square = x[i] * x[i] + y[i] * y[i], length = sqrt(1 + square);
         double factor = 1 / length;
         z[i] = factor;
@@ -213,15 +226,20 @@ static void encode_floats(float *const value[3], int32_t *doubt, const double *r
         }
         x[i] *= factor;
         y[i] *= factor;
-        doubt[i] = 0;
     }
-    round_components(value[0], doubt, x, n, e->unit, e->rough);
-    round_components(value[1], doubt, y, n, e->unit, e->rough);
-    round_components(value[2], doubt, z, n, e->unit && !e->zzero, e->rough);
-    const float least = (float) (e->unit && !e->zzero ? (e->min_z + 1) / 2 : e->min_z);
-    for (int32_t i = 0; i < n; i++)
-        value[2][i] = value[2][i] > least ? value[2][i] : least;
+    const bool unit = e->unit && !e->zzero; /* of z */
+    round_components(d, doubt, x, n, e->unit, e->rough);
+    round_components(d + 1, doubt, y, n, e->unit, e->rough);
+    round_components(d + 2, doubt, z, n, unit, e->rough);
+    const float least = (float) (unit ? (e->min_z + 1) / 2 : e->min_z);
+    for (int32_t i = 0; i < n; i++) {
+        d[3 * i + 2] = d[3 * i + 2] > least ? d[3 * i + 2] : least;
+        if (doubt[i] != 0)
+            at[found++] = i;
+    }
+    return found;
 }
+#endif
 
 /* Magnitudes are compared as the integers that have their bits. */
 static void take_floats(double *restrict height, const float *restrict s, int32_t n,
@@ -246,9 +264,11 @@ static void take_floats(double *restrict height, const float *restrict s, int32_
 #ifdef __AVX2__
 #  include "from_height/dither_avx2_tmpl.h"
 ntp__encode_packed_fn ntp__encode_avx2;
+ntp__encode_vectors_fn ntp__vectors_avx2;
 ntp__take_heights_fn ntp__take_heights_avx2;
-#  define encode_packed ntp__encode_avx2
-#  define take_heights  ntp__take_heights_avx2
+#  define encode_packed  ntp__encode_avx2
+#  define encode_vectors ntp__vectors_avx2
+#  define take_heights   ntp__take_heights_avx2
 #else
 #  include "from_height/dither_tmpl.h"
 #  define encode_packed NULL
@@ -260,6 +280,6 @@ ntp__take_heights_fn ntp__take_heights_avx2;
 
 extern const ntp__gradient_kernels TABLE_NAME(NTP_ISA);
 const ntp__gradient_kernels TABLE_NAME(NTP_ISA) = {
-    tap_sums_i,    tap_sums_d,    take_floats,  encode_i, encode_d,   encode_precisely,
-    encode_floats, encode_packed, take_heights, dither,   put_slopes, take_levels,
+    tap_sums_i,     tap_sums_d,    take_floats,  encode_i, encode_d,   encode_precisely,
+    encode_vectors, encode_packed, take_heights, dither,   put_slopes, take_levels,
 };

@@ -62,18 +62,18 @@ void ntp__gradient_pack(const ntp__gradient *g, ntp__block *block, int32_t x, in
     ntp__pack(dst, block, x, y, n, dst->channels);
 }
 
-void ntp__gradient_pack_floats(const ntp__gradient *g, float *const value[3], int32_t x, int32_t y,
+void ntp__gradient_pack_floats(const ntp__gradient *g, const float *value, int32_t x, int32_t y,
                                int32_t n)
 {
     const ntp_image *dst = g->dst;
     const int32_t channels = dst->channels;
     const bool xy = dst->encoding == NTP_ENCODING_XY;
-    for (int32_t i = 0; i < n; i++) {
+    for (int32_t i = 0; i < n; i++, value += 3) {
         float *d = ntp__at_mut(dst, x + i, y);
-        d[0] = value[0][i];
-        d[1] = value[1][i];
+        d[0] = value[0];
+        d[1] = value[1];
         if (channels > 2)
-            d[2] = xy ? 1.0f : value[2][i];
+            d[2] = xy ? 1.0f : value[2];
         if (channels > 3)
             d[3] = unit_alpha(g, x + i, y);
     }

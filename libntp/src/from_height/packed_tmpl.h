@@ -23,9 +23,10 @@ static bool can_be_quick(const walk *w)
     static const double most_exact = 0x1p24;
     const ntp__gradient *g = &w->g;
     const ntp__kernel *k = g->kernel;
+    const bool possible = g->loops->take_heights != NULL && !(w->floats && g->m == 0);
     const bool symmetric = k->radius == 1 && k->term[0].along[NTP__MAX_RADIUS] == 0;
     const bool gray = g->reads == 1 && g->src->pixel_stride == ntp__sample_size(g->src->type);
-    return symmetric && gray && g->border_x != NTP_BORDER_EXTRAPOLATE &&
+    return possible && symmetric && gray && g->border_x != NTP_BORDER_EXTRAPOLATE &&
            g->border_y != NTP_BORDER_EXTRAPOLATE &&
            (w->floats ? g->m == 255 : w->single && w->greatest < most_exact);
 }
@@ -114,11 +115,10 @@ static void sums_of_places(const walk *w, strip *s, const float *const rows[3], 
     }
 }
 
-/* A block from its heights; false: it has to be done the other way. */
-static bool encode_rows(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
+/* The heights of a block. */
+static facts rows_of_heights(walk *w, strip *s, const float *rows[3], int32_t x, int32_t y,
+                             int32_t n)
 {
-    const float *rows[3];
-    int32_t at[NTP__BLOCK];
     facts f = { true, 0x1p1000, 0 };
     float low = 0x1p127F, high = -0x1p127F;
     for (int32_t k = 0; k < 3; k++) {
@@ -131,6 +131,15 @@ static bool encode_rows(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
         high = row->high > high ? row->high : high;
     }
     w->encode.spread = (double) high - (double) low;
+    return f;
+}
+
+/* A block from its heights; false: it has to be done the other way. */
+static bool encode_rows(walk *w, strip *s, int32_t x, int32_t y, int32_t n)
+{
+    const float *rows[3];
+    int32_t at[NTP__BLOCK];
+    const facts f = rows_of_heights(w, s, rows, x, y, n);
     if (!trust_packed(w, &f))
         return false;
     const void *const from[3] = { rows[0], rows[1], rows[2] };

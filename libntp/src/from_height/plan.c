@@ -156,6 +156,7 @@ const ntp__gradient_kernels *ntp__gradient_kernels_for(int mask)
 
 extern ntp__dither_waves_fn ntp__dither_avx512;
 extern ntp__encode_packed_fn ntp__encode_avx512;
+extern ntp__encode_vectors_fn ntp__vectors_avx512;
 
 ntp__dither_waves_fn *ntp__dither_waves(int mask)
 {
@@ -175,4 +176,13 @@ ntp__encode_packed_fn *ntp__encode_rows_for(int mask)
 #endif
     (void) mask;
     return NULL;
+}
+
+ntp__encode_vectors_fn *ntp__encode_vectors_for(int mask)
+{
+#ifdef NTP_HAVE_AVX512
+    if (ntp__cpu_has_avx512(mask))
+        return ntp__vectors_avx512;
+#endif
+    return ntp__gradient_kernels_for(mask)->encode_vectors;
 }
