@@ -139,7 +139,8 @@ static void test_floats_of_sums(ntp__encode_vectors_fn *encode, int32_t n, uint6
                           .zzero = choice & 2,
                           .unit = choice & 4,
                           .steep = choice & 8 || choice % 7 == 6,
-                          .rough = next(seed) % 2 ? 0 : 1e-9 };
+                          .rough = next(seed) % 2 ? 0 : 1e-9,
+                          .ahead = (const char *) SCALES };
         e.plain = choice % 7 != 0 && !e.use_shortened && !e.unit && e.rough == 0 && next(seed) % 2;
         static double sum[2][WIDEST];
         static int32_t sum_i[2][WIDEST];
@@ -159,21 +160,37 @@ static void test_floats_of_sums(ntp__encode_vectors_fn *encode, int32_t n, uint6
     }
 }
 
-/* Straight from rows of heights. */
+/* Straight from rows of heights: of integers, of floats whose sums are exact in doubles, and of others. */
 static void test_floats_of_rows(ntp__encode_vectors_fn *encode, int32_t n, uint64_t *seed)
 {
     static float row[3][NTP__GRADIENT_ROW];
     static double sum[2][WIDEST];
-    const ntp__encode e = { .cx = 0x1p-14, .cy = 0x1p-15, .side = 3, .middle = 10, .plain = true };
-    for (int32_t i = 0; i < 3 * NTP__GRADIENT_ROW; i++)
-        row[i % 3][i / 3] = (float) (next(seed) % 65536);
-    for (int32_t i = 0; i < n; i++) {
-        const float *a = row[0] + i, *b = row[1] + i, *c = row[2] + i;
-        sum[0][i] = (double) (3 * (a[2] - a[0] + c[2] - c[0]) + 10 * (b[2] - b[0]));
-        sum[1][i] = (double) (3 * (c[0] - a[0] + c[2] - a[2]) + 10 * (c[1] - a[1]));
+    for (int choice = 0; choice < 3; choice++) {
+        const double scale = choice ? 0x1p-1 : 0x1p-14;
+        const ntp__encode e = { .cx = scale,
+                                .cy = scale / 3,
+                                .side = 3,
+                                .middle = 10,
+                                .rough = choice == 2 ? 0x1p-44 : 0,
+                                .plain = choice < 2,
+                                .ahead = (const char *) row };
+        for (int32_t i = 0; i < 3 * NTP__GRADIENT_ROW; i++) {
+            const uint64_t r = next(seed);
+            row[i % 3][i / 3] = choice == 2 ? (float) (r >> 11) * 0x1p-53F * (r % 2 ? 1 : 0x1p-30F)
+                                            : (float) (r >> 48) * (choice ? 0x1p-16F : 1);
+        }
+        for (int32_t i = 0; i < n; i++) {
+            double d[2][3]; /* to the right and down */
+            for (int k = 0; k < 3; k++) {
+                d[0][k] = (double) row[k][i + 2] - (double) row[k][i];
+                d[1][k] = (double) row[2][i + k] - (double) row[0][i + k];
+            }
+            for (int k = 0; k < 2; k++)
+                sum[k][i] = 3 * (d[k][0] + d[k][2]) + 10 * d[k][1];
+        }
+        const void *const from[3] = { row[0], row[1], row[2] };
+        check_vectors(encode, from, choice ? NTP__FROM_FLOATS : NTP__FROM_INTEGERS, sum, n, &e);
     }
-    const void *const from[3] = { row[0], row[1], row[2] };
-    check_vectors(encode, from, NTP__FROM_INTEGERS, sum, n, &e);
 }
 
 int main(int argc, char **argv)

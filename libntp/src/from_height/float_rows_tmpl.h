@@ -17,11 +17,15 @@ static int32_t encode_floats(walk *w, strip *s, float *d, int32_t *at, int32_t x
 {
     if (w->quick) {
         const float *rows[3];
-        rows_of_heights(w, s, rows, x, y, n);
+        const facts of_rows = rows_of_heights(w, s, rows, x, y, n);
         const void *const from[3] = { rows[0], rows[1], rows[2] };
-        const int32_t found = w->encode_vectors(d, at, from, NTP__FROM_INTEGERS, n, &w->encode);
-        sums_of_places(w, s, rows, at, found);
-        return found;
+        if (!w->floats || trust_floats(w, &of_rows)) {
+            const int32_t found = w->encode_vectors(
+                d, at, from, w->ints ? NTP__FROM_INTEGERS : NTP__FROM_FLOATS, n, &w->encode);
+            if (w->ints)
+                sums_of_places(w, s, rows, at, found);
+            return found;
+        }
     }
     const facts f = all_tap_sums(w, s, x, y, n);
     if (w->floats ? !trust_floats(w, &f) : !w->doubles) {

@@ -363,7 +363,8 @@ static void fetch_ahead(const walk *w, int32_t x, int32_t y, int32_t n)
     const char *s = ntp__at(g->src, x, from), *d = ntp__at_mut(g->dst, x, to);
     for (ptrdiff_t i = 0; i < n * g->src->pixel_stride; i += LINE)
         __builtin_prefetch(s + i, 0);
-    for (ptrdiff_t i = 0; i < n * g->dst->pixel_stride; i += LINE)
+    const bool later = w->packed && g->m == 0; /* by the loop */
+    for (ptrdiff_t i = 0; !later && i < n * g->dst->pixel_stride; i += LINE)
         __builtin_prefetch(d + i, 1);
 #else
     (void) w, (void) x, (void) y, (void) n;
@@ -383,6 +384,9 @@ static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
         dither_rows(w, s, x, y, r->y1 - y < most ? r->y1 - y : most, n);
     for (int32_t y = r->y0; w->errors == NULL && y < r->y1; y++) {
         fetch_ahead(w, x, y, n);
+        const bool below = y + 1 < r->y1;
+        w->encode.ahead =
+            ntp__at_mut(w->g.dst, below || x + n == r->x1 ? x : x + n, below ? y + 1 : r->y0);
         do_block(w, s, x, y, n);
     }
 }

@@ -176,11 +176,12 @@ typedef struct ntp__encode {
     double spread;      /* NTP__FROM_FLOATS: no difference of two heights is greater */
     int32_t off; /* 1, and the error of M/2 times a component that tap sums cause, in 2^-15 */
     /* Floats: */
-    bool unit;    /* components are (n + 1)/2, that of z is z if Z-zero; else as they are */
-    bool steep;   /* squares of slopes may be beyond floats */
-    bool plain;   /* components other than 0 are in their normal range, and have no other error */
-    double min_z; /* no z is less */
-    double rough; /* the error of a component that tap sums cause */
+    bool unit;  /* components are (n + 1)/2, that of z is z if Z-zero; else as they are */
+    bool steep; /* squares of slopes may be beyond floats */
+    bool plain; /* components other than 0 are in their normal range, and have no other error */
+    const char *ahead; /* what is written next: fetched on the way */
+    double min_z;      /* no z is less */
+    double rough;      /* the error of a component that tap sums cause */
 } ntp__encode;
 
 enum { NTP__OFF_ONE = 1 << 15 };

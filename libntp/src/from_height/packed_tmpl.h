@@ -23,12 +23,12 @@ static bool can_be_quick(const walk *w)
     static const double most_exact = 0x1p24;
     const ntp__gradient *g = &w->g;
     const ntp__kernel *k = g->kernel;
-    const bool possible = g->loops->take_heights != NULL && !(w->floats && g->m == 0);
+    const bool possible = g->loops->take_heights != NULL;
     const bool symmetric = k->radius == 1 && k->term[0].along[NTP__MAX_RADIUS] == 0;
     const bool gray = g->reads == 1 && g->src->pixel_stride == ntp__sample_size(g->src->type);
     return possible && symmetric && gray && g->border_x != NTP_BORDER_EXTRAPOLATE &&
            g->border_y != NTP_BORDER_EXTRAPOLATE &&
-           (w->floats ? g->m == 255 : w->single && w->greatest < most_exact);
+           (w->floats ? g->m <= 255 : w->single && w->greatest < most_exact);
 }
 
 static void put_pixel(const walk *w, int32_t x, int32_t y, const int32_t c[3])

@@ -9,12 +9,14 @@
 
 #include <string.h>
 
-#define PD      __m256d
-#define PARTS   2
-#define SET(v)  _mm256_set1_pd(v)
-#define LOAD(p) _mm256_loadu_pd(p)
+#define PD          __m256d
+#define PARTS       2
+#define SET(v)      _mm256_set1_pd(v)
+#define LOAD(p)     _mm256_loadu_pd(p)
+#define STORE(p, v) _mm256_store_pd(p, v)
 #define OF_FLOATS(v, k)                                                                            \
     _mm256_cvtps_pd((k) ? _mm256_extractf128_ps(v, 1) : _mm256_castps256_ps128(v))
+#define OF_SAMPLES(p)   _mm256_cvtps_pd(_mm_loadu_ps(p))
 #define OF_INTEGERS(p)  _mm256_cvtepi32_pd(_mm_loadu_si128((const void *) (p)))
 #define FUSED(a, b, c)  _mm256_fmadd_pd(a, b, c)
 #define REST(a, b, c)   _mm256_fnmadd_pd(a, b, c)

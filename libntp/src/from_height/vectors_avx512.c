@@ -15,7 +15,9 @@ enum { MIDDLE = 1 << 28, NEAR = 1 << 8 };
 #define PARTS           1
 #define SET(v)          _mm512_set1_pd(v)
 #define LOAD(p)         _mm512_loadu_pd(p)
+#define STORE(p, v)     _mm512_store_pd(p, v)
 #define OF_FLOATS(v, k) _mm512_cvtps_pd(v)
+#define OF_SAMPLES(p)   _mm512_cvtps_pd(_mm256_loadu_ps(p))
 #define OF_INTEGERS(p)  _mm512_cvtepi32_pd(_mm256_loadu_si256((const void *) (p)))
 #define FUSED(a, b, c)  _mm512_fmadd_pd(a, b, c)
 #define REST(a, b, c)   _mm512_fnmadd_pd(a, b, c)

@@ -20,7 +20,7 @@ enum { STEP = 8, SAMPLES = 3 * STEP };
 #define UNIT_ERROR 0x1p-49
 
 typedef struct constants {
-    PD cx, cy, shortened;
+    PD cx, cy, shortened, side, middle;
     PD factor[2], more[2], error[2]; /* of x and y, of z */
     __m256 least;
     bool use_shortened, steep, plain;
@@ -32,6 +32,8 @@ static ALWAYS_INLINE constants constants_of(const ntp__encode *e)
     constants c = { .cx = SET(e->cx),
                     .cy = SET(e->cy),
                     .shortened = SET(e->shortened),
+                    .side = SET((double) e->side),
+                    .middle = SET((double) e->middle),
                     .least = _mm256_set1_ps((float) (unit[1] ? (e->min_z + 1) / 2 : e->min_z)),
                     .use_shortened = e->use_shortened,
                     .steep = e->steep,
@@ -60,8 +62,25 @@ static inline __m256 weighted(__m256 sides, __m256 middle, const ntp__encode *e)
                            _mm256_mul_ps(middle, _mm256_set1_ps(e->middle)));
 }
 
+/* Differences of heights in doubles. */
+static ALWAYS_INLINE PD apart(const float *a, const float *b)
+{
+    return SUBTRACT(OF_SAMPLES(a), OF_SAMPLES(b));
+}
+
+/* Of floats: with fewer roundings than sums of plain C have. */
+static ALWAYS_INLINE void take_floats(PD *right, PD *down, const void *const from[3], int32_t i,
+                                      const constants *c)
+{
+    const float *above = (const float *) from[0] + i, *at = (const float *) from[1] + i,
+                *below = (const float *) from[2] + i;
+    const PD falling = apart(below + 2, above), rising = apart(below, above + 2);
+    *right = FUSED(SUBTRACT(falling, rising), c->side, MULTIPLY(apart(at + 2, at), c->middle));
+    *down = FUSED(ADD(falling, rising), c->side, MULTIPLY(apart(below + 1, above + 1), c->middle));
+}
+
 static ALWAYS_INLINE void take(pair *p, const void *const from[3], ntp__packed_from which,
-                               int32_t i, const ntp__encode *e)
+                               int32_t i, const ntp__encode *e, const constants *c)
 {
     if (which == NTP__FROM_INTEGERS) {
         const float *above = (const float *) from[0] + i, *at = (const float *) from[1] + i,
@@ -75,6 +94,10 @@ static ALWAYS_INLINE void take(pair *p, const void *const from[3], ntp__packed_f
             p->right[k] = OF_FLOATS(x, k);
             p->down[k] = OF_FLOATS(y, k);
         }
+    } else if (which == NTP__FROM_FLOATS) {
+        UNROLLED
+        for (int32_t k = 0; k < PARTS; k++)
+            take_floats(&p->right[k], &p->down[k], from, i + k * STEP / PARTS, c);
     } else if (which == NTP__FROM_SUMS_I) {
         UNROLLED
         for (int32_t k = 0; k < PARTS; k++) {
@@ -118,8 +141,26 @@ static ALWAYS_INLINE PD over_root(PD v)
     return FUSED(MULTIPLY(r, h), s, r);
 }
 
+/* Slopes, and z of their normals. */
+typedef struct planes {
+    _Alignas(64) double x[NTP__BLOCK], y[NTP__BLOCK], z[NTP__BLOCK];
+} planes;
+
+static ALWAYS_INLINE void put_slopes(planes *p, int32_t i, const pair *s, const constants *c)
+{
+    UNROLLED
+    for (int32_t k = 0; k < PARTS; k++) {
+        const PD x = MULTIPLY(s->right[k], c->cx), y = MULTIPLY(s->down[k], c->cy);
+        const PD square = FUSED(x, x, FUSED(y, y, SET(1)));
+        STORE(p->x + i + k * STEP / PARTS, x);
+        STORE(p->y + i + k * STEP / PARTS, y);
+        STORE(p->z + i + k * STEP / PARTS,
+              c->steep ? DIVIDE(SET(1), ROOT(square)) : over_root(square));
+    }
+}
+
 /* Eight texels; returns bits of those in doubt. */
-static ALWAYS_INLINE uint32_t encode_step(float *d, const pair *p, const constants *c)
+static ALWAYS_INLINE uint32_t encode_step(float *d, const planes *p, int32_t i, const constants *c)
 {
     const __m256 none = _mm256_setzero_ps();
     __m256 f[3];
@@ -127,12 +168,11 @@ static ALWAYS_INLINE uint32_t encode_step(float *d, const pair *p, const constan
     uint32_t left = 0;
     UNROLLED
     for (int32_t k = 0; k < PARTS; k++) {
-        const PD x = MULTIPLY(p->right[k], c->cx), y = MULTIPLY(p->down[k], c->cy);
-        const PD square = FUSED(x, x, MULTIPLY(y, y)), all = ADD(square, SET(1));
-        PD factor = c->steep ? DIVIDE(SET(1), ROOT(all)) : over_root(all);
+        const PD x = LOAD(p->x + i + k * STEP / PARTS), y = LOAD(p->y + i + k * STEP / PARTS);
+        PD factor = LOAD(p->z + i + k * STEP / PARTS);
         n[2][k] = factor;
         if (c->use_shortened)
-            factor = LESSER(DIVIDE(c->shortened, ROOT(square)), factor);
+            factor = LESSER(DIVIDE(c->shortened, ROOT(FUSED(x, x, MULTIPLY(y, y)))), factor);
         n[0][k] = MULTIPLY(x, factor);
         n[1][k] = MULTIPLY(y, factor);
     }
@@ -156,12 +196,18 @@ int32_t NAME(float *d, int32_t *at, const void *const from[3], ntp__packed_from 
 {
     const constants c = constants_of(e);
     int32_t found = 0;
+    planes p;
+    for (int32_t i = 0; i < n; i += STEP) {
+        pair sums;
+        FETCH(e->ahead + 3 * sizeof *d * (size_t) i);
+        take(&sums, from, which, i, e, &c);
+        put_slopes(&p, i, &sums, &c);
+    }
     for (int32_t i = 0; i < n; i += STEP) {
         float last[SAMPLES];
         const bool whole = n - i >= STEP;
-        pair p;
-        take(&p, from, which, i, e);
-        uint32_t left = encode_step(whole ? d + 3 * i : last, &p, &c);
+        FETCH(e->ahead + 3 * sizeof *d * (size_t) i + 64);
+        uint32_t left = encode_step(whole ? d + 3 * i : last, &p, i, &c);
         if (!whole) {
             memcpy(d + 3 * i, last, sizeof *d * 3 * (size_t) (n - i));
             left &= (1U << (n - i)) - 1;
