@@ -160,7 +160,8 @@ static void test_floats_of_sums(ntp__encode_vectors_fn *encode, int32_t n, uint6
     }
 }
 
-/* Straight from rows of heights: of integers, of floats whose sums are exact in doubles, and of others. */
+/* Straight from rows of heights: of integers, of floats whose sums are exact in doubles, and of such that get lost
+ * beside others. */
 static void test_floats_of_rows(ntp__encode_vectors_fn *encode, int32_t n, uint64_t *seed)
 {
     static float row[3][NTP__GRADIENT_ROW];
@@ -176,17 +177,24 @@ static void test_floats_of_rows(ntp__encode_vectors_fn *encode, int32_t n, uint6
                                 .ahead = (const char *) row };
         for (int32_t i = 0; i < 3 * NTP__GRADIENT_ROW; i++) {
             const uint64_t r = next(seed);
-            row[i % 3][i / 3] = choice == 2 ? (float) (r >> 11) * 0x1p-53F * (r % 2 ? 1 : 0x1p-30F)
-                                            : (float) (r >> 48) * (choice ? 0x1p-16F : 1);
+            const float small = (float) (r >> 48) * 0x1p-16F;
+            row[i % 3][i / 3] = choice == 0   ? small * 0x1p16F
+                                : choice == 1 ? small
+                                : r % 2       ? (float) (r >> 62)
+                                              : small * 0x1p-70F;
         }
         for (int32_t i = 0; i < n; i++) {
-            double d[2][3]; /* to the right and down */
-            for (int k = 0; k < 3; k++) {
-                d[0][k] = (double) row[k][i + 2] - (double) row[k][i];
-                d[1][k] = (double) row[2][i + k] - (double) row[0][i + k];
+            static const int taps[3] = { 3, 10, 3 };
+            double large[2] = { 0 },
+                   rest[2] = { 0 }; /* exact: those of 1 and more, and the others */
+            for (int k = 0; k < 9; k++) {
+                const double h = (double) row[k / 3][i + k % 3];
+                double *to = h < 1 ? rest : large;
+                to[0] += h * (k % 3 - 1) * taps[k / 3];
+                to[1] += h * (k / 3 - 1) * taps[k % 3];
             }
             for (int k = 0; k < 2; k++)
-                sum[k][i] = 3 * (d[k][0] + d[k][2]) + 10 * d[k][1];
+                sum[k][i] = large[k] + rest[k];
         }
         const void *const from[3] = { row[0], row[1], row[2] };
         check_vectors(encode, from, choice ? NTP__FROM_FLOATS : NTP__FROM_INTEGERS, sum, n, &e);

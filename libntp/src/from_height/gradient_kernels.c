@@ -184,58 +184,39 @@ static const double float_doubt = 0x1p-45;
 /* The error of (n + 1)/2 that does not shrink with it: 16u n/2. */
 static const double unit_error = 0x1p-49;
 
-/* Components as floats, plain or as (n + 1)/2: every third number. */
-static void round_components(float *restrict to, int32_t *restrict doubt, const double *restrict v,
-                             int32_t n, bool unit, double rough)
+/* A component as a float, plain or as (n + 1)/2; returns whether it is in doubt. */
+static bool round_component(float *to, double v, bool unit, double rough)
 {
-    const double factor = unit ? 0.5 : 1, more = unit ? 0.5 : 0;
-    const double error = unit ? rough / 2 + unit_error : rough;
-    float line[NTP__BLOCK];
-    for (int32_t i = 0; i < (n + NTP__LANES - 1) / NTP__LANES * NTP__LANES; i++) {
-        const double t = v[i] * factor + more, off = fabs(t) * float_doubt + error;
-        const float low = (float) (t - off), high = (float) (t + off);
-        line[i] = low + 0.0F; /* never -0 */
-        doubt[i] |= low != high;
-    }
-    for (int32_t i = 0; i < n; i++)
-        to[3 * i] = line[i];
+    const double t = unit ? v * 0.5 + 0.5 : v;
+    const double off = fabs(t) * float_doubt + (unit ? rough / 2 + unit_error : rough);
+    const float low = (float) (t - off), high = (float) (t + off);
+    *to = low + 0.0F; /* never -0 */
+    return low != high;
 }
 
 static int32_t encode_vectors(float *d, int32_t *at, const void *const from[3],
                               ntp__packed_from which, int32_t n, const ntp__encode *e)
 {
-    double x[NTP__BLOCK], y[NTP__BLOCK], z[NTP__BLOCK];
-    int32_t doubt[NTP__BLOCK] = { 0 }, found = 0;
-    const int32_t whole = (n + NTP__LANES - 1) / NTP__LANES * NTP__LANES;
-    const bool ints = which == NTP__FROM_SUMS_I;
-    for (int32_t i = 0; i < n; i++) {
-        x[i] = (ints ? (double) ((const int32_t *) from[0])[i] : ((const double *) from[0])[i]) *
-               e->cx;
-        y[i] = (ints ? (double) ((const int32_t *) from[1])[i] : ((const double *) from[1])[i]) *
-               e->cy;
-    }
-    for (int32_t i = n; i < whole; i++)
-        x[i] = y[i] = 0;
-    for (int32_t i = 0; i < whole; i++) {
-        const double square = x[i] * x[i] + y[i] * y[i], length = sqrt(1 + square);
-        double factor = 1 / length;
-        z[i] = factor;
+    const int32_t *const ints = which == NTP__FROM_SUMS_I ? from[0] : NULL;
+    const bool unit = e->unit && !e->zzero; /* of z */
+    const float least = (float) (unit ? (e->min_z + 1) / 2 : e->min_z);
+    int32_t found = 0;
+    for (int32_t i = 0; i < n; i++, d += 3) {
+        const double x = e->cx * (ints != NULL ? (double) ints[i] : ((const double *) from[0])[i]);
+        const double y = e->cy * (ints != NULL ? (double) ((const int32_t *) from[1])[i]
+                                               : ((const double *) from[1])[i]);
+        const double square = x * x + y * y, z = 1 / sqrt(1 + square);
+        double factor = z;
         if (e->use_shortened) {
             const double other = e->shortened / sqrt(square);
-            factor = other < factor ? other : factor;
+            factor = other < z ? other : z;
         }
-        x[i] *= factor;
-        y[i] *= factor;
-    }
-    const bool unit = e->unit && !e->zzero; /* of z */
-    round_components(d, doubt, x, n, e->unit, e->rough);
-    round_components(d + 1, doubt, y, n, e->unit, e->rough);
-    round_components(d + 2, doubt, z, n, unit, e->rough);
-    const float least = (float) (unit ? (e->min_z + 1) / 2 : e->min_z);
-    for (int32_t i = 0; i < n; i++) {
-        d[3 * i + 2] = d[3 * i + 2] > least ? d[3 * i + 2] : least;
-        if (doubt[i] != 0)
-            at[found++] = i;
+        const bool doubt = round_component(d, x * factor, e->unit, e->rough) |
+                           round_component(d + 1, y * factor, e->unit, e->rough) |
+                           round_component(d + 2, z, unit, e->rough);
+        d[2] = d[2] > least ? d[2] : least;
+        at[found] = i;
+        found += doubt;
     }
     return found;
 }

@@ -7,6 +7,7 @@
 #include "base/inlining.h"
 #include "base/lanes_avx2.h"
 
+#include <math.h>
 #include <string.h>
 
 #define PD          __m256d

@@ -7,6 +7,7 @@
 #include "base/inlining.h"
 #include "base/lanes_avx2.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { MIDDLE = 1 << 28, NEAR = 1 << 8 };
