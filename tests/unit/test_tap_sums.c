@@ -144,18 +144,22 @@ static void test_floats_of_sums(ntp__encode_vectors_fn *encode, int32_t n, uint6
         e.plain = choice % 7 != 0 && !e.use_shortened && !e.unit && e.rough == 0 && next(seed) % 2;
         static double sum[2][WIDEST];
         static int32_t sum_i[2][WIDEST];
-        for (int32_t i = 0; i < 2 * n; i++) {
-            double *to = &sum[i % 2][i / 2];
-            sum_i[i % 2][i / 2] = next(seed) % 8 ? (int32_t) (next(seed) % 40001) - 20000 : 0;
-            if (choice % 7 == 2 && i / 2 % 2)
-                *to = i % 2 ? 0 : near_middle(seed, next(seed) % 2);
-            else
-                *to = sum_i[i % 2][i / 2] * 0x1p-9;
+        for (int32_t i = 0; i < n; i++) {
+            for (int k = 0; k < 2; k++) {
+                sum_i[k][i] = next(seed) % 8 ? (int32_t) (next(seed) % 40001) - 20000 : 0;
+                sum[k][i] = sum_i[k][i] * 0x1p-9;
+            }
+            if (choice % 7 == 2 && i % 2) {
+                sum[0][i] = near_middle(seed, next(seed) % 2);
+                sum[1][i] = 0;
+            }
         }
         const void *const from[3] = { sum[0], sum[1] }, *const from_i[3] = { sum_i[0], sum_i[1] };
         check_vectors(encode, from, NTP__FROM_SUMS_D, sum, n, &e);
-        for (int32_t i = 0; i < 2 * n; i++)
-            sum[i % 2][i / 2] = sum_i[i % 2][i / 2];
+        for (int32_t i = 0; i < n; i++) {
+            for (int k = 0; k < 2; k++)
+                sum[k][i] = sum_i[k][i];
+        }
         check_vectors(encode, from_i, NTP__FROM_SUMS_I, sum, n, &e);
     }
 }
@@ -185,13 +189,14 @@ static void test_floats_of_rows(ntp__encode_vectors_fn *encode, int32_t n, uint6
         }
         for (int32_t i = 0; i < n; i++) {
             static const int taps[3] = { 3, 10, 3 };
-            double large[2] = { 0 },
-                   rest[2] = { 0 }; /* exact: those of 1 and more, and the others */
+            /* Exact: the sums of heights of 1 and more, and those of others. */
+            double large[2] = { 0 }, rest[2] = { 0 };
             for (int k = 0; k < 9; k++) {
-                const double h = (double) row[k / 3][i + k % 3];
+                const int x = k % 3, y = k / 3;
+                const double h = (double) row[y][i + x];
                 double *to = h < 1 ? rest : large;
-                to[0] += h * (k % 3 - 1) * taps[k / 3];
-                to[1] += h * (k / 3 - 1) * taps[k % 3];
+                to[0] += h * ((x - 1) * taps[y]);
+                to[1] += h * ((y - 1) * taps[x]);
             }
             for (int k = 0; k < 2; k++)
                 sum[k][i] = large[k] + rest[k];

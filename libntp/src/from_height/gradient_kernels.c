@@ -184,8 +184,8 @@ static const double float_doubt = 0x1p-45;
 /* The error of (n + 1)/2 that does not shrink with it: 16u n/2. */
 static const double unit_error = 0x1p-49;
 
-/* A component as a float, plain or as (n + 1)/2; returns whether it is in doubt. */
-static bool round_component(float *to, double v, bool unit, double rough)
+/* A component as a float, plain or as (n + 1)/2; returns 1 if it is in doubt, else 0. */
+static int32_t round_component(float *to, double v, bool unit, double rough)
 {
     const double t = unit ? v * 0.5 + 0.5 : v;
     const double off = fabs(t) * float_doubt + (unit ? rough / 2 + unit_error : rough);
@@ -211,9 +211,9 @@ static int32_t encode_vectors(float *d, int32_t *at, const void *const from[3],
             const double other = e->shortened / sqrt(square);
             factor = other < z ? other : z;
         }
-        const bool doubt = round_component(d, x * factor, e->unit, e->rough) |
-                           round_component(d + 1, y * factor, e->unit, e->rough) |
-                           round_component(d + 2, z, unit, e->rough);
+        const int32_t doubt = round_component(d, x * factor, e->unit, e->rough) |
+                              round_component(d + 1, y * factor, e->unit, e->rough) |
+                              round_component(d + 2, z, unit, e->rough);
         d[2] = d[2] > least ? d[2] : least;
         at[found] = i;
         found += doubt;

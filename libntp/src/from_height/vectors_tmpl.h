@@ -8,7 +8,7 @@
  * a middle of two floats.  What is computed here is then within 2^-45, so all of these are in doubt.  Others
  * that are in doubt, which depends on the instruction set, change neither floats nor counts.
  *
- * There are two loops: in one, a chain of about 80 cycles, few steps would be in flight at the same time.
+ * There are two loops, because the long chain of one would leave few steps in flight.
  *
  * PD is a vector of doubles, PARTS as many as make eight; the file that includes this says what is done with
  * them.
