@@ -53,10 +53,13 @@ static void set_inexact(walk *w, double greatest)
 
 /* Are components other than 0 in the normal range of floats, for tap sums from `least` to `greatest`, and
  * as exact as doubles? */
-static void set_plain(walk *w, double least, double greatest)
+static ONE_COPY void set_plain(walk *w, double least, double greatest)
 {
+    if (w->encode.unit || w->encode.use_shortened || w->encode.rough > 0) {
+        w->encode.plain = false;
+        return;
+    }
     const double x = fabs(w->g.cx), y = fabs(w->g.cy), most = 1 + (x + y) * greatest;
     const double x0 = x > 0 ? x : 1, y0 = y > 0 ? y : 1, c = x0 < y0 ? x0 : y0;
-    w->encode.plain = !w->encode.unit && !w->encode.use_shortened && w->encode.rough == 0 &&
-                      (c * least < 1 ? c * least : 1) > 0x1p-124 * most;
+    w->encode.plain = (c * least < 1 ? c * least : 1) > 0x1p-124 * most;
 }

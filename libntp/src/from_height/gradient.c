@@ -9,6 +9,7 @@
  */
 #include "from_height/gradient.h"
 
+#include "base/inlining.h"
 #include "texel/kernels.h"
 #include "texel/level.h"
 
@@ -373,6 +374,15 @@ static void fetch_ahead(const walk *w, int32_t x, int32_t y, int32_t n)
 
 #include "from_height/dither_rows_tmpl.h"
 
+/* What is written after a block: the row below, or the next strip. */
+static void set_ahead(walk *w, const ntp_rect *band, int32_t x, int32_t y, int32_t n)
+{
+    if (y + 1 < band->y1)
+        w->encode.ahead = ntp__at_mut(w->g.dst, x, y + 1);
+    else
+        w->encode.ahead = ntp__at_mut(w->g.dst, x + n < band->x1 ? x + n : x, band->y0);
+}
+
 static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
 {
     for (int32_t k = 0; k < NTP__MAX_TAPS; k++)
@@ -384,9 +394,8 @@ static void do_strip(walk *w, strip *s, const ntp_rect *r, int32_t x, int32_t n)
         dither_rows(w, s, x, y, r->y1 - y < most ? r->y1 - y : most, n);
     for (int32_t y = r->y0; w->errors == NULL && y < r->y1; y++) {
         fetch_ahead(w, x, y, n);
-        const bool below = y + 1 < r->y1;
-        w->encode.ahead =
-            ntp__at_mut(w->g.dst, below || x + n == r->x1 ? x : x + n, below ? y + 1 : r->y0);
+        if (w->g.m == 0)
+            set_ahead(w, r, x, y, n);
         do_block(w, s, x, y, n);
     }
 }

@@ -92,7 +92,6 @@ static ALWAYS_INLINE void take_floats(PD *right, PD *down, PD *rough, const void
     const PD across = apart(at + 2, at), along = apart(below + 1, above + 1);
     *right = FUSED(SUBTRACT(falling, rising), c->side, MULTIPLY(across, c->middle));
     *down = FUSED(ADD(falling, rising), c->side, MULTIPLY(along, c->middle));
-    *rough = SET(0);
     if (c->plain)
         return;
     const PD corners = ADD(MAGNITUDE(falling), MAGNITUDE(rising));
@@ -103,6 +102,9 @@ static ALWAYS_INLINE void take_floats(PD *right, PD *down, PD *rough, const void
 static ALWAYS_INLINE void take(pair *p, const void *const from[3], ntp__packed_from which,
                                int32_t i, const ntp__encode *e, const constants *c)
 {
+    UNROLLED
+    for (int32_t k = 0; k < PARTS; k++)
+        p->rough[k] = SET(e->rough);
     if (which == NTP__FROM_INTEGERS) {
         const float *above = (const float *) from[0] + i, *at = (const float *) from[1] + i,
                     *below = (const float *) from[2] + i;
@@ -114,7 +116,6 @@ static ALWAYS_INLINE void take(pair *p, const void *const from[3], ntp__packed_f
         for (int32_t k = 0; k < PARTS; k++) {
             p->right[k] = OF_FLOATS(x, k);
             p->down[k] = OF_FLOATS(y, k);
-            p->rough[k] = SET(0);
         }
     } else if (which == NTP__FROM_FLOATS) {
         UNROLLED
@@ -125,14 +126,12 @@ static ALWAYS_INLINE void take(pair *p, const void *const from[3], ntp__packed_f
         for (int32_t k = 0; k < PARTS; k++) {
             p->right[k] = OF_INTEGERS((const int32_t *) from[0] + i + k * STEP / PARTS);
             p->down[k] = OF_INTEGERS((const int32_t *) from[1] + i + k * STEP / PARTS);
-            p->rough[k] = SET(e->rough);
         }
     } else {
         UNROLLED
         for (int32_t k = 0; k < PARTS; k++) {
             p->right[k] = LOAD((const double *) from[0] + i + k * STEP / PARTS);
             p->down[k] = LOAD((const double *) from[1] + i + k * STEP / PARTS);
-            p->rough[k] = SET(e->rough);
         }
     }
 }
