@@ -54,7 +54,8 @@ static void derive_z(const ntp__conversion *j, ntp__float_planes to, const ntp__
             counts->pulled++;
         }
     }
-    memcpy(to[2], z, (size_t) n * sizeof z[0]);
+    for (int32_t i = 0; i < n; i++)
+        to[2][i] = z[i];
 }
 
 /* Is a component not finite, or a vector 0?  Also of floats that are too large to be doubled. */
