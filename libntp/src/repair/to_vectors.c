@@ -7,11 +7,11 @@
  */
 #include "base/inlining.h"
 #include "repair/convert.h"
+#include "texel/direction.h"
 #include "texel/level.h"
 #include "texel/unused.h"
 
 #include <math.h>
-#include <string.h>
 
 /* 2v - 1 rounded once, or v. */
 static void component_of_floats(float *restrict to, const char *s, ptrdiff_t stride, int32_t n,
@@ -23,39 +23,45 @@ static void component_of_floats(float *restrict to, const char *s, ptrdiff_t str
         to[i] = (float) (2.0 * (double) to[i] - 1.0);
 }
 
-/* z of XY, and x and y of pairs that are too long. */
-static void derive_z(const ntp__conversion *j, ntp__float_planes to, const ntp__block *in,
-                     bool suspect, int32_t n, ntp_convert_counts *counts)
+/* The roots of what x and y leave of 1. */
+static void roots_of(float *restrict z, const int32_t *restrict r, const int32_t *restrict g,
+                     int32_t n, int32_t m)
 {
-    const int32_t m = j->ms;
     const double m2 = (double) m * m;
     double rest[NTP__BLOCK];
-    float z[NTP__BLOCK];
-    uint64_t any = 0; /* its first bit: one is negative */
     for (int32_t i = 0; i < n; i++) {
-        const double x = ntp__num(in->c[0][i], m), y = ntp__num(in->c[1][i], m);
+        const double x = ntp__num(r[i], m), y = ntp__num(g[i], m);
         rest[i] = m2 - x * x - y * y;
     }
-    for (int32_t i = 0; i < n; i++) {
-        uint64_t bits;
-        memcpy(&bits, &rest[i], sizeof bits);
-        any |= bits;
-        z[i] = (float) (sqrt(rest[i]) / m); /* of less than 0 it is written below */
-    }
-    for (int32_t i = 0; (suspect || any >> 63 != 0) && i < n; i++) {
-        if (suspect && ntp__texel_unused(in, i, m, j->how.touch_unused)) {
-            z[i] = to[2][i];
-        } else if (rest[i] < 0) {
-            int32_t c[2] = { in->c[0][i], in->c[1][i] };
-            ntp__pull(&c[0], &c[1], m);
-            ntp__floats_of_levels(&to[0][i], &c[0], 1, m, true);
-            ntp__floats_of_levels(&to[1][i], &c[1], 1, m, true);
-            z[i] = (float) (sqrt((double) ntp__rest(c[0], c[1], m)) / m);
-            counts->pulled++;
-        }
+    for (int32_t i = 0; i < n; i++)
+        z[i] = (float) (sqrt(rest[i]) / m);
+}
+
+/* z of XY, and x and y of pairs that are too long. */
+static void derive_z(const ntp__conversion *j, ntp__float_planes to, ntp__block *in, bool suspect,
+                     int32_t n, ntp_convert_counts *counts)
+{
+    const int32_t m = j->ms;
+    int32_t marks[NTP__BLOCK], found = 0;
+    uint8_t kept[NTP__BLOCK] = { 0 };
+    float z[NTP__BLOCK];
+    j->kernels->derive(marks, in->c[0], in->c[1], n, m, false);
+    for (int32_t i = 0; suspect && i < n; i++) {
+        kept[i] = ntp__texel_unused(in, i, m, j->how.touch_unused);
+        marks[i] = kept[i] ? 0 : marks[i];
     }
     for (int32_t i = 0; i < n; i++)
-        to[2][i] = z[i];
+        found += marks[i] < 0;
+    if (found > 0)
+        ntp__pull_pairs(in->c[0], in->c[1], marks, n, m);
+    for (int32_t i = 0; found > 0 && i < n; i++) {
+        for (int32_t k = 0; marks[i] < 0 && k < 2; k++)
+            ntp__floats_of_levels(&to[k][i], &in->c[k][i], 1, m, true);
+    }
+    counts->pulled += (uint64_t) found;
+    roots_of(z, in->c[0], in->c[1], n, m);
+    for (int32_t i = 0; i < n; i++)
+        to[2][i] = kept[i] ? to[2][i] : z[i];
 }
 
 /* Is a component not finite, or a vector 0?  Also of floats that are too large to be doubled. */

@@ -25,25 +25,50 @@ void ntp__texel_vector(int32_t v[3], const ntp__block *block, int32_t i, int32_t
     v[2] = encoding == NTP_ENCODING_ZZERO ? b : ntp__num(b, m);
 }
 
+void ntp__pull_pairs(int32_t *r, int32_t *g, const int32_t *marks, int32_t n, int32_t m)
+{
+    const ntp__kernels_table *kernels = ntp__kernels(NTP__CPU_ALL);
+    int32_t at[NTP__BLOCK], c[2][NTP__BLOCK], doubt[NTP__BLOCK];
+    const int32_t count = kernels->find(at, marks, INT32_MIN, n);
+    for (int32_t i = 0; i < count; i++) {
+        c[0][i] = r[at[i]];
+        c[1][i] = g[at[i]];
+    }
+    for (int32_t i = count; i % NTP__KERNEL_LANES != 0; i++)
+        c[0][i] = c[1][i] = 0;
+    kernels->pull(c[0], c[1], doubt, count, m);
+    for (int32_t i = 0; i < count; i++) {
+        if (doubt[i]) {
+            ntp__pull(&r[at[i]], &g[at[i]], m);
+        } else {
+            r[at[i]] = c[0][i];
+            g[at[i]] = c[1][i];
+        }
+    }
+}
+
 void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int32_t m,
                         ntp_encoding encoding)
 {
     const ntp__kernels_table *kernels = ntp__kernels(NTP__CPU_ALL);
-    int32_t derived[NTP__BLOCK];
-    const int32_t *b = block->c[2];
-    if (encoding == NTP_ENCODING_XY) {
-        kernels->derive(derived, block->c[0], block->c[1], n, m, false);
+    const bool xy = encoding == NTP_ENCODING_XY;
+    int32_t derived[NTP__BLOCK], pulled[2][NTP__BLOCK], any = 0;
+    const int32_t *r = block->c[0], *g = block->c[1], *b = block->c[2];
+    if (xy) {
+        kernels->derive(derived, r, g, n, m, false);
         b = derived;
     }
-    kernels->numerators(v, block->c[0], block->c[1], b, n, m, encoding == NTP_ENCODING_ZZERO, 1, 1);
-    for (int32_t i = 0; encoding == NTP_ENCODING_XY && i < n; i++) {
-        if (derived[i] >= 0)
-            continue;
-        int32_t one[3];
-        ntp__texel_vector(one, block, i, m, encoding);
-        for (int32_t k = 0; k < 3; k++)
-            v->c[k][i] = one[k];
+    for (int32_t i = 0; xy && i < n; i++)
+        any |= derived[i];
+    if (any < 0) {
+        memcpy(pulled[0], r, (size_t) n * sizeof r[0]);
+        memcpy(pulled[1], g, (size_t) n * sizeof g[0]);
+        ntp__pull_pairs(pulled[0], pulled[1], derived, n, m);
+        r = pulled[0];
+        g = pulled[1];
+        kernels->derive(derived, r, g, n, m, false);
     }
+    kernels->numerators(v, r, g, b, n, m, encoding == NTP_ENCODING_ZZERO, 1, 1);
 }
 
 uint64_t ntp__pull_directions(ntp__block *out, int32_t *doubt, const ntp__vectors *v, int32_t n,

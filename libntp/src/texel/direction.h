@@ -31,6 +31,9 @@ static inline void ntp__pull_seldom(int32_t *r, int32_t *g, int32_t m)
     *g = (v[1] + m) / 2;
 }
 
+/* Pulls pairs that are too long, whose places among n are those of marks below 0.  As ntp__pull, but many at once. */
+void ntp__pull_pairs(int32_t *r, int32_t *g, const int32_t *marks, int32_t n, int32_t m);
+
 /* The vectors of the first n texels of a block. */
 void ntp__block_vectors(ntp__vectors *v, const ntp__block *block, int32_t n, int32_t m,
                         ntp_encoding encoding);
